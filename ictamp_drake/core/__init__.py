@@ -1,0 +1,1 @@
+"""Types, protocols, failures, errors and seeds that every other room may import."""

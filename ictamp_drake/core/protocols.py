@@ -1,0 +1,53 @@
+"""The plug-in points. Each is one or two methods; one file per implementation, one contract test for all."""
+
+from collections.abc import Hashable, Sequence
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from ictamp_drake.core.types import Action, Attempt, C, FloatArray, Parameter, Skeleton, State
+
+C_contra = TypeVar("C_contra", bound=Hashable, contravariant=True)
+
+
+class PlanGenerator(Protocol):
+    """A resumable search for high-level plans from one start state."""
+
+    @property
+    def exhausted(self) -> bool:
+        """True when no further plan can come."""
+
+    @property
+    def expanded(self) -> int:
+        """Nodes expanded since the start."""
+
+    def next_plan(self, max_expansions: int) -> Skeleton | None:
+        """Expand at most `max_expansions` nodes and return the first new plan met (Algorithm 3), else None."""
+
+
+class Abstraction(Protocol[C_contra]):
+    """H: C -> S."""
+
+    def __call__(self, c: C_contra) -> State:
+        """The symbolic state of c, evaluated, never assumed."""
+
+
+class SkillRunner(Protocol[C]):
+    """ψ, all skills behind one door: the planner says which action, the runner tries it once."""
+
+    def attempt(self, c: C, action: Action, promised: State, rng: np.random.Generator) -> Attempt[C]:
+        """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised`."""
+
+
+class Estimator(Protocol[C_contra]):
+    """P: estimated probability that ψ_a, run from c, ends in the state that a promises."""
+
+    def estimate(self, options: Sequence[tuple[C_contra, Action]]) -> FloatArray:
+        """P of each option in one call, shape (len(options),), each in [0, 1]."""
+
+
+class Sampler(Protocol[C_contra]):
+    """A source of skill parameters k."""
+
+    def sample(self, c: C_contra, action: Action, rng: np.random.Generator) -> Parameter | None:
+        """One k for the action from c, or None when none was found."""
