@@ -27,6 +27,4 @@ class Failure(Enum):
         return self in _KINEMATIC
 
 
-_KINEMATIC = frozenset(
-    {Failure.NO_SAMPLE, Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH}
-)
+_KINEMATIC = frozenset({Failure.NO_SAMPLE, Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})

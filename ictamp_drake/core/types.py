@@ -21,8 +21,8 @@ C = TypeVar("C", bound=Hashable)
 Parameter = FloatArray
 """k, the parameter of a skill: (x, y, z, yaw) [m, m, m, rad], shape (4,).
 
-Pick: pose of the grasp frame G in the object's upright frame U, whose origin is the box's centre and whose z axis is the
-box axis nearest to the world's vertical, pointing up; G's z axis points down, yaw turns G about the vertical.
+Pick: pose of the grasp frame G in the object's upright frame U, whose origin is the box's centre and whose z axis is
+the box axis nearest to the world's vertical, pointing up; G's z axis points down, yaw turns G about the vertical.
 Place: pose of the bottom centre of the held object in the receptacle's frame T, whose origin is the centre of its top
 face; yaw turns the object's upright frame against T's.
 """
