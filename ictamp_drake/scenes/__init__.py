@@ -1,0 +1,1 @@
+"""Scenes as YAML files, and the packing problems of the three levels."""

@@ -1,0 +1,44 @@
+"""Checks of single values; each raises one sentence that names the field, its value and the valid choices."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from ictamp_drake.core.errors import IctampError
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_PDDL_WORDS = frozenset({"and", "or", "not", "imply", "when", "forall", "exists", "either", "object", "define"})
+
+
+def check_range(field: str, value: float, low: float, high: float, unit: str = "") -> None:
+    """Raise IctampError unless `low` <= `value` <= `high`; the values that are not numbers fail too."""
+    if not low <= value <= high:
+        raise IctampError(f"{field} is {value:g}{unit}, but must be between {low:g} and {high:g}{unit}")
+
+
+def check_vector(field: str, values: Sequence[float], low: float, high: float, unit: str = "") -> None:
+    """Raise IctampError unless `values` are three numbers, each between `low` and `high`."""
+    if len(values) != 3:
+        raise IctampError(f"{field} is {list(values)}, but must be three numbers")
+    for value in values:
+        if not (math.isfinite(value) and low <= value <= high):
+            raise IctampError(f"{field} is {list(values)}, but each number must be between {low:g} and {high:g}{unit}")
+
+
+def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
+    """Raise IctampError unless `value` is one of `choices`."""
+    if value not in choices:
+        raise IctampError(f"{field} is '{value}', but must be one of: {', '.join(choices)}")
+
+
+def check_names(names: Iterable[str]) -> None:
+    """Raise IctampError unless the names can stand side by side in a PDDL problem, where case does not count."""
+    seen: dict[str, str] = {}
+    for name in names:
+        if not _NAME.fullmatch(name):
+            raise IctampError(f"the name '{name}' is not valid; use letters, digits, _ and -, a letter first")
+        if name.lower() in _PDDL_WORDS:
+            raise IctampError(f"the name '{name}' is a word of PDDL; choose another, e.g. '{name}_1'")
+        if name.lower() in seen:
+            raise IctampError(f"the name '{name}' is used twice ('{seen[name.lower()]}'); every name must be its own")
+        seen[name.lower()] = name

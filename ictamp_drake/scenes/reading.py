@@ -1,0 +1,115 @@
+"""From YAML text to frozen dataclasses, with errors that say where in the file they are.
+
+`yaml_load_typed` fills mutable, default-constructed objects and names no place in its errors; so it converts one
+field at a time here, and the dataclass, its required fields and its defaults are built around it.
+"""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+import yaml
+from pydrake.common.yaml import yaml_dump, yaml_load_typed
+
+from ictamp_drake.core.errors import IctampError
+
+T = TypeVar("T")
+
+
+def parse(text: str) -> object:
+    """The document as plain mappings, lists and scalars.
+
+    Raises:
+        IctampError: on a syntax error or on a key used twice, naming the line.
+    """
+    try:
+        for key in _repeated_keys(yaml.compose(text, Loader=yaml.SafeLoader)):
+            raise IctampError(
+                f"line {key.start_mark.line + 1}: '{key.value}' is used twice; every name must be its own"
+            )
+        return yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        raise IctampError(f"not valid YAML: {' '.join(str(error).split())}") from error
+
+
+def build(schema: type[T], raw: object, where: str = "") -> T:
+    """The dataclass `schema` from a YAML mapping; `where` is the mapping's place in the file, e.g. boxes.red_box.
+
+    Raises:
+        IctampError: for an unknown or missing field, or a value that is of the wrong type or refused by the dataclass.
+    """
+    hints = get_type_hints(schema)
+    fields = {field.name: field for field in dataclasses.fields(schema)}  # type: ignore[arg-type]
+    values = {}
+    for name, value in mapping(raw, where).items():
+        if name not in fields:
+            raise IctampError(f"unknown field '{_join(where, name)}'; valid are: {', '.join(fields)}")
+        values[name] = _value(hints[name], value, _join(where, name))
+    for name, field in fields.items():
+        if name not in values and field.default is field.default_factory is dataclasses.MISSING:
+            raise IctampError(f"'{_join(where, name)}' is missing; needed are: {', '.join(_required(fields.values()))}")
+    try:
+        return schema(**values)
+    except IctampError as error:
+        raise IctampError(_join(where, str(error))) from error
+
+
+def mapping(raw: object, where: str) -> Mapping[str, object]:
+    """The value itself when it is a mapping whose keys are all text.
+
+    Raises:
+        IctampError: otherwise.
+    """
+    if not isinstance(raw, dict):
+        raise IctampError(f"{where or 'the file'} is {raw!r}, but must be a mapping (name: value)")
+    for key in raw:
+        if not isinstance(key, str):
+            trap = "; YAML reads on, off, yes and no as truth values" if isinstance(key, bool) else ""
+            raise IctampError(f"{where or 'the file'} has the key {key!r}, but names must be text{trap}")
+    return raw
+
+
+def _value(hint: Any, raw: object, where: str) -> object:
+    if get_origin(hint) is dict:
+        return {name: _value(get_args(hint)[1], item, _join(where, name)) for name, item in mapping(raw, where).items()}
+    if dataclasses.is_dataclass(hint):
+        return build(hint, raw, where)  # type: ignore[arg-type]
+    is_tuple = get_origin(hint) is tuple
+    if is_tuple != isinstance(raw, list):
+        raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}")
+    leaf = list[get_args(hint)[0]] if is_tuple else hint  # type: ignore[misc]
+    holder = dataclasses.make_dataclass("Field", [("value", leaf, dataclasses.field(default=None))])
+    try:
+        data = yaml_dump({"value": raw})  # type: ignore[no-untyped-call]
+        value = yaml_load_typed(schema=holder, data=data).value  # type: ignore[no-untyped-call]
+    except (RuntimeError, ValueError, TypeError) as error:
+        raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}") from error
+    return tuple(value) if is_tuple else value
+
+
+def _described(hint: Any) -> str:
+    words = {float: "a number", int: "a whole number", str: "text"}
+    return words.get(hint) or ("a list of texts" if get_args(hint)[0] is str else "a list of three numbers")
+
+
+def _required(fields: Any) -> list[str]:
+    return [field.name for field in fields if field.default is field.default_factory is dataclasses.MISSING]
+
+
+def _join(where: str, rest: str) -> str:
+    return f"{where}.{rest}" if where else rest
+
+
+def _repeated_keys(node: yaml.Node | None) -> Iterator[yaml.ScalarNode]:
+    """The keys that occur a second time in one mapping; PyYAML itself silently keeps the last."""
+    if isinstance(node, yaml.SequenceNode):
+        for item in node.value:
+            yield from _repeated_keys(item)
+    if isinstance(node, yaml.MappingNode):
+        seen = set()
+        for key, item in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                if key.value in seen:
+                    yield key
+                seen.add(key.value)
+            yield from _repeated_keys(item)

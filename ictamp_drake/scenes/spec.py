@@ -1,0 +1,207 @@
+"""A scene as frozen dataclasses, and their YAML file.
+
+Angles are degrees in the file and in the specs, since people write them; poses (`X_W…`) are core's arrays of seven.
+Whether boxes overlap or float, and what the goal means, is checked in the rooms `world` and `symbolic`.
+"""
+
+import dataclasses
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import yaml
+from scipy.spatial.transform import Rotation
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.scenes.checks import check_choice, check_names, check_range, check_vector
+from ictamp_drake.scenes.reading import build, parse
+
+Vector = tuple[float, float, float]
+
+GRIPPER_WIDTH = 0.075
+"""Widest side that the hand takes [m]: its opening of 0.08 m less the play that fingers need."""
+
+SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
+"""Default size (x, y, z) of each kind of support [m]."""
+
+INTERFERENCES = ("stacked", "behind", "tipped")
+"""Kinds of interference of boxes outside the goal (paper, Experiments)."""
+
+
+@dataclass(frozen=True)
+class ArmSpec:
+    """Where the arm is mounted.
+
+    Attributes:
+        position: base frame B in W [m].
+        yaw: about W's z axis [deg].
+    """
+
+    position: Vector = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_vector("position", self.position, -10, 10, " m")
+        check_range("yaw", self.yaw, -360, 360, " deg")
+
+    @property
+    def X_WB(self) -> FloatArray:
+        """Pose of the arm's base, shape (7,)."""
+        return _pose((0.0, 0.0, self.yaw), self.position)
+
+
+@dataclass(frozen=True)
+class SupportSpec:
+    """A table (a slab) or a rack (a plate on legs) that never moves.
+
+    Attributes:
+        kind: table or rack.
+        position: centre of the TOP face in W [m], the origin of the receptacle's frame T.
+        yaw: about W's z axis [deg].
+        size: x, y, z in T [m]; empty for the kind's default, which is filled in.
+    """
+
+    kind: str
+    position: Vector
+    yaw: float = 0.0
+    size: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_choice("kind", self.kind, SUPPORT_SIZES)
+        object.__setattr__(self, "size", self.size or SUPPORT_SIZES[self.kind])
+        check_vector("size", self.size, 0.01, 5, " m")
+        check_vector("position", self.position, -10, 10, " m")
+        check_range("yaw", self.yaw, -360, 360, " deg")
+
+    @property
+    def X_WT(self) -> FloatArray:
+        """Pose of the top face's frame, shape (7,)."""
+        return _pose((0.0, 0.0, self.yaw), self.position)
+
+
+@dataclass(frozen=True)
+class BoxSpec:
+    """A box that can be moved.
+
+    Attributes:
+        size: x, y, z in the box's frame O [m].
+        position: centre in W [m].
+        rotation: roll, pitch, yaw of O in W [deg]: R_WO = Rz(yaw) Ry(pitch) Rx(roll).
+        mass: [kg].
+        friction: coefficient of Coulomb friction, static and dynamic.
+        colour: red, green, blue, each in [0, 1].
+    """
+
+    size: Vector
+    position: Vector
+    rotation: Vector = (0.0, 0.0, 0.0)
+    mass: float = 0.1
+    friction: float = 0.6
+    colour: Vector = (0.6, 0.6, 0.6)
+
+    def __post_init__(self) -> None:
+        check_vector("size", self.size, 0.005, 1, " m")
+        check_vector("position", self.position, -10, 10, " m")
+        check_vector("rotation", self.rotation, -360, 360, " deg")
+        check_range("mass", self.mass, 0.001, 3, " kg")
+        check_range("friction", self.friction, 0.05, 2)
+        check_vector("colour", self.colour, 0, 1)
+        self._check_width()
+
+    def _check_width(self) -> None:
+        upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
+        width = min(side for axis, side in enumerate(self.size) if axis != upright)
+        if width > GRIPPER_WIDTH:
+            raise IctampError(
+                f"size is {list(self.size)}: too wide for the gripper, which needs a horizontal side "
+                f"of at most {GRIPPER_WIDTH} m where the narrowest one is {width:g} m"
+            )
+
+    @property
+    def _rotation(self) -> Rotation:
+        return Rotation.from_euler("xyz", self.rotation, degrees=True)
+
+    @property
+    def X_WO(self) -> FloatArray:
+        """Pose of the box's centre, shape (7,)."""
+        return _pose(self.rotation, self.position)
+
+
+@dataclass(frozen=True)
+class SceneSpec:
+    """Everything that a planning problem consists of.
+
+    Attributes:
+        supports: by name, at least one.
+        boxes: by name, at least one.
+        goal: PDDL formula, e.g. (and (on cyan_box rack) (on yellow_box cyan_box)).
+        arm: where the arm is mounted.
+        seed: of everything random in the problem.
+        interference: kinds of interference of a packing problem; empty in other scenes.
+        description: one sentence for people.
+    """
+
+    supports: dict[str, SupportSpec]
+    boxes: dict[str, BoxSpec]
+    goal: str
+    arm: ArmSpec = ArmSpec()
+    seed: int = 0
+    interference: tuple[str, ...] = ()
+    description: str = ""
+
+    def __post_init__(self) -> None:
+        for section in ("supports", "boxes"):
+            if not getattr(self, section):
+                raise IctampError(f"{section} is empty, but must name at least one")
+        check_names([*self.supports, *self.boxes])
+        if not self.goal.strip():
+            raise IctampError("goal is empty, but must be a PDDL formula, e.g. (on red_box table)")
+        check_range("seed", self.seed, 0, 2**63 - 1)
+        for kind in self.interference:
+            check_choice("interference", kind, INTERFERENCES)
+
+
+def load_scene(path: Path | str) -> SceneSpec:
+    """Read a scene file.
+
+    Raises:
+        IctampError: one sentence that names the file, the field, its value and the valid choices.
+    """
+    try:
+        return build(SceneSpec, parse(Path(path).read_text(encoding="utf-8")))
+    except OSError as error:
+        raise IctampError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise IctampError(f"{path}: not a text file in UTF-8") from error
+    except IctampError as error:
+        raise IctampError(f"{path}: {error}") from error
+
+
+def save_scene(spec: SceneSpec, path: Path | str) -> None:
+    """Write a scene file that `load_scene` reads back exactly; it appears whole or not at all.
+
+    Raises:
+        OSError: when the folder is not there or cannot be written.
+    """
+    temporary = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
+    temporary.write_text(to_yaml(spec), encoding="utf-8")
+    temporary.replace(path)
+
+
+def to_yaml(spec: SceneSpec) -> str:
+    """The text of the scene's file."""
+    plain = _plain(dataclasses.asdict(spec))
+    return str(yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True))
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _pose(rotation: Vector, position: Vector) -> FloatArray:
+    quaternion = Rotation.from_euler("xyz", rotation, degrees=True).as_quat(canonical=True, scalar_first=True)
+    return np.concatenate([quaternion, position])
