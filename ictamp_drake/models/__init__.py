@@ -1,0 +1,12 @@
+"""Robot, supports and boxes: SDF files written by `python -m ictamp_drake.models.write`, and their constants."""
+
+from pathlib import Path
+
+from pydrake.multibody.parsing import Parser
+
+PACKAGE_FILE = Path(__file__).parent / "package.xml"
+
+
+def add_package(parser: Parser) -> None:
+    """Make the files beside this module known as package://ictamp_drake/..."""
+    parser.package_map().AddPackageXml(filename=str(PACKAGE_FILE))

@@ -1,0 +1,94 @@
+"""The SDF of a Franka Emika Panda with its hand, written from the published numbers."""
+
+import math
+
+from ictamp_drake.models import constants, contact, panda_collision
+from ictamp_drake.models.constants import JointFrame, JointLimits
+from ictamp_drake.models.sdf_text import Colour, collision, document, element, inertial, numbers, pose, visual
+
+WHITE: Colour = (0.93, 0.93, 0.93)
+DARK: Colour = (0.2, 0.2, 0.22)
+
+
+def _limit(lower: float, upper: float, velocity: float, effort: float, acceleration: float | None = None) -> str:
+    values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
+    inside = [f"<{tag}>{numbers((value,))}</{tag}>" for tag, value in values.items()]
+    if acceleration is not None:
+        inside.append(f"<drake:acceleration>{numbers((acceleration,))}</drake:acceleration>")
+    return element("limit", inside)
+
+
+def _axis(xyz: tuple[int, int, int], limit: str, damping: float) -> str:
+    dynamics = f"<dynamics><damping>{numbers((damping,))}</damping></dynamics>"
+    return element("axis", [f"<xyz>{numbers(xyz)}</xyz>", limit, dynamics])
+
+
+def _arm_joint(number: int, frame: JointFrame, limits: JointLimits) -> str:
+    limit = _limit(limits.lower, limits.upper, limits.velocity, limits.effort, limits.acceleration)
+    children = [
+        f"<parent>panda_link{number - 1}</parent>",
+        f"<child>panda_link{number}</child>",
+        _axis((0, 0, 1), limit, constants.JOINT_DAMPING),
+    ]
+    return element("joint", children, name=f"panda_joint{number}", type="revolute")
+
+
+def _arm_link_pose(number: int) -> str:
+    if number == 0:
+        return ""
+    a, d, alpha = constants.DH_PARAMETERS[number - 1]
+    xyz = (a, -d * math.sin(alpha), d * math.cos(alpha))
+    return pose(xyz, (alpha, 0.0, 0.0), f"panda_link{number - 1}")
+
+
+def _link(name: str, placement: str) -> str:
+    shapes = panda_collision.LINKS[name]
+    children = [placement, inertial(constants.INERTIALS[name])]
+    children += [collision(shape, contact.BODY) for shape in shapes]
+    children += [visual(shape, WHITE) for shape in shapes]
+    return element("link", children, name=name)
+
+
+def _finger(name: str, yaw: float) -> str:
+    children = [
+        pose((0.0, 0.0, constants.FINGER_OFFSET), (0.0, 0.0, yaw), "panda_hand"),
+        inertial(constants.INERTIALS[name]),
+        *(collision(shape, contact.BODY) for shape in panda_collision.FINGER),
+        *(collision(shape, contact.PAD) for shape in (panda_collision.PAD, *panda_collision.PAD_CONTACTS)),
+        *(visual(shape, DARK) for shape in (*panda_collision.FINGER, panda_collision.PAD)),
+    ]
+    return element("link", children, name=name)
+
+
+def _finger_joint(name: str, child: str, mimic: str) -> str:
+    limit = _limit(0.0, constants.GRIPPER_MAX_WIDTH / 2, constants.MAX_FINGER_SPEED, constants.MAX_GRIP_FORCE)
+    axis = _axis((0, 1, 0), limit, constants.FINGER_DAMPING)
+    children = ["<parent>panda_hand</parent>", f"<child>{child}</child>", axis, mimic]
+    return element("joint", children, name=name, type="prismatic")
+
+
+def panda_sdf() -> str:
+    """The model `panda`: base link panda_link0, flange frame panda_link8, frame `grasp` (G) between the pads."""
+    links = [_link(f"panda_link{i}", _arm_link_pose(i)) for i in range(8)]
+    joints = [
+        _arm_joint(i + 1, constants.DH_PARAMETERS[i], constants.ARM_LIMITS[i]) for i in range(len(constants.ARM_LIMITS))
+    ]
+    flange = element("frame", [pose((0.0, 0.0, constants.FLANGE_OFFSET))], name="panda_link8", attached_to="panda_link7")
+    grasp = element("frame", [pose((0.0, 0.0, constants.GRASP_OFFSET))], name="grasp", attached_to="panda_hand")
+    hand = _link("panda_hand", pose((0.0, 0.0, 0.0), (0.0, 0.0, constants.HAND_ANGLE), "panda_link8"))
+    fixed = "<parent>panda_link7</parent><child>panda_hand</child>"
+    first, second = constants.FINGER_JOINTS
+    mimic = element("drake:mimic", [], joint=first, multiplier="1", offset="0")
+    children = [
+        *links,
+        flange,
+        hand,
+        grasp,
+        _finger("panda_leftfinger", 0.0),
+        _finger("panda_rightfinger", math.pi),
+        *joints,
+        element("joint", [fixed], name="panda_hand_joint", type="fixed"),
+        _finger_joint(first, "panda_leftfinger", ""),
+        _finger_joint(second, "panda_rightfinger", mimic),
+    ]
+    return document(element("model", children, name="panda"))
