@@ -3,7 +3,7 @@
 import math
 
 from ictamp_drake.models import constants, contact, panda_collision
-from ictamp_drake.models.constants import JointFrame, JointLimits
+from ictamp_drake.models.constants import JointLimits
 from ictamp_drake.models.sdf_text import Colour, collision, document, element, inertial, numbers, pose, visual
 
 WHITE: Colour = (0.93, 0.93, 0.93)
@@ -23,7 +23,7 @@ def _axis(xyz: tuple[int, int, int], limit: str, damping: float) -> str:
     return element("axis", [f"<xyz>{numbers(xyz)}</xyz>", limit, dynamics])
 
 
-def _arm_joint(number: int, frame: JointFrame, limits: JointLimits) -> str:
+def _arm_joint(number: int, limits: JointLimits) -> str:
     limit = _limit(limits.lower, limits.upper, limits.velocity, limits.effort, limits.acceleration)
     children = [
         f"<parent>panda_link{number - 1}</parent>",
@@ -70,10 +70,10 @@ def _finger_joint(name: str, child: str, mimic: str) -> str:
 def panda_sdf() -> str:
     """The model `panda`: base link panda_link0, flange frame panda_link8, frame `grasp` (G) between the pads."""
     links = [_link(f"panda_link{i}", _arm_link_pose(i)) for i in range(8)]
-    joints = [
-        _arm_joint(i + 1, constants.DH_PARAMETERS[i], constants.ARM_LIMITS[i]) for i in range(len(constants.ARM_LIMITS))
-    ]
-    flange = element("frame", [pose((0.0, 0.0, constants.FLANGE_OFFSET))], name="panda_link8", attached_to="panda_link7")
+    joints = [_arm_joint(number, limits) for number, limits in enumerate(constants.ARM_LIMITS, start=1)]
+    flange = element(
+        "frame", [pose((0.0, 0.0, constants.FLANGE_OFFSET))], name="panda_link8", attached_to="panda_link7"
+    )
     grasp = element("frame", [pose((0.0, 0.0, constants.GRASP_OFFSET))], name="grasp", attached_to="panda_hand")
     hand = _link("panda_hand", pose((0.0, 0.0, 0.0), (0.0, 0.0, constants.HAND_ANGLE), "panda_link8"))
     fixed = "<parent>panda_link7</parent><child>panda_hand</child>"

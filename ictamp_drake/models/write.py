@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from ictamp_drake.models import shapes
+from ictamp_drake.models.contact import OBJECT
 from ictamp_drake.models.panda import panda_sdf
 
 FOLDER = Path(__file__).parent / "sdf"
@@ -9,7 +11,15 @@ FOLDER = Path(__file__).parent / "sdf"
 
 def contents() -> dict[str, str]:
     """Text of every file in `sdf/` by its name."""
-    return {"panda.sdf": panda_sdf()}
+    boxes = {
+        f"{name}.sdf": shapes.box_sdf(name, size, shapes.BOX_MASS, OBJECT.friction, shapes.BOX_COLOURS[name])
+        for name, size in shapes.BOX_SIZES.items()
+    }
+    supports = {
+        "table.sdf": shapes.table_sdf("table", shapes.TABLE_SIZE),
+        "rack.sdf": shapes.rack_sdf("rack", shapes.RACK_SIZE),
+    }
+    return {"panda.sdf": panda_sdf(), **supports, **boxes}
 
 
 def main() -> None:

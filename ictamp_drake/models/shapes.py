@@ -1,0 +1,130 @@
+"""SDF of the things around the robot: boxes to move, tables and racks to put them on.
+
+A model's only link has the model's name, so that `plant.GetBodyByName(name)` finds it.
+"""
+
+from itertools import product
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.models.constants import Inertial
+from ictamp_drake.models.contact import CONTACT_RADIUS, OBJECT, SUPPORT
+from ictamp_drake.models.sdf_text import Colour, Shape, collision, document, element, inertial, visual
+
+Size = tuple[float, float, float]
+
+WOOD: Colour = (0.80, 0.68, 0.52)
+METAL: Colour = (0.55, 0.58, 0.62)
+
+TABLE_SIZE: Size = (1.2, 0.9, 0.05)
+RACK_SIZE: Size = (0.22, 0.32, 0.16)
+RACK_THICKNESS = 0.01
+"""Thickness of a rack's top plate, legs and stabilisers [m]."""
+
+BOX_MASS = 0.1
+BOX_SIZES: dict[str, Size] = {
+    "yellow_box": (0.057, 0.057, 0.066),
+    "red_box": (0.05, 0.05, 0.118),
+    "cyan_box": (0.058, 0.058, 0.07),
+    "blue_box": (0.05, 0.05, 0.106),
+}
+BOX_COLOURS: dict[str, Colour] = {
+    "yellow_box": (0.95, 0.78, 0.15),
+    "red_box": (0.82, 0.16, 0.16),
+    "cyan_box": (0.15, 0.75, 0.80),
+    "blue_box": (0.16, 0.32, 0.75),
+}
+
+_EDGE_WIDTH = 0.003
+_EDGE_DEPTH = 0.0003
+_EDGE_DARKNESS = 0.6
+
+
+def box_inertial(size: Size, mass: float) -> Inertial:
+    """Inertia of a box of uniform density about its centre."""
+    xx, yy, zz = (value * value * mass / 12.0 for value in size)
+    return Inertial(mass, (0.0, 0.0, 0.0), (yy + zz, xx + zz, xx + yy, 0.0, 0.0, 0.0))
+
+
+def box_contacts(size: Size) -> tuple[Shape, ...]:
+    """Spheres at the 8 corners and the middles of the 12 edges, each touching the faces from inside."""
+    places = sorted((p for p in product((-1, 0, 1), repeat=3) if p.count(0) <= 1), key=lambda p: p.count(0))
+    half = [value / 2 - CONTACT_RADIUS for value in size]
+    return tuple(
+        Shape(f"contact_{i}", "sphere", (CONTACT_RADIUS,), (x * half[0], y * half[1], z * half[2]))
+        for i, (x, y, z) in enumerate(places)
+    )
+
+
+def _box_visuals(size: Size, colour: Colour) -> list[str]:
+    red, green, blue = (_EDGE_DARKNESS * channel for channel in colour)
+    x, y, z = (value - 2 * _EDGE_DEPTH for value in size)
+    faces = [tuple(size[i] if i == axis else size[i] - 2 * _EDGE_WIDTH for i in range(3)) for axis in range(3)]
+    edges = visual(Shape("edges", "box", (x, y, z)), (red, green, blue))
+    return [edges, *(visual(Shape(f"faces_{'xyz'[i]}", "box", face), colour) for i, face in enumerate(faces))]
+
+
+def _check(name: str, size: Size, least: float) -> None:
+    if min(size) < least:
+        raise IctampError(f"{name}: size {tuple(size)} has a side below the least one, {least} m")
+
+
+def box_sdf(name: str, size: Size, mass: float, friction: float, colour: Colour) -> str:
+    """A box of uniform density, its origin at the centre.
+
+    Args:
+        name: of the model and of its link.
+        size: sides along x, y, z [m].
+        mass: [kg].
+        friction: Coulomb coefficient.
+        colour: red, green, blue in [0, 1].
+
+    Raises:
+        IctampError: a side is too short for the contact spheres, or the mass is not positive.
+    """
+    _check(name, size, 4 * CONTACT_RADIUS)
+    if not mass > 0.0:
+        raise IctampError(f"{name}: mass {mass} must be positive [kg]")
+    surface = OBJECT._replace(friction=friction)
+    children = [
+        inertial(box_inertial(size, mass)),
+        *(collision(shape, surface) for shape in (Shape("body", "box", size), *box_contacts(size))),
+        *_box_visuals(size, colour),
+    ]
+    return document(element("model", [element("link", children, name=name)], name=name))
+
+
+def _support_sdf(name: str, shapes: tuple[Shape, ...], colour: Colour) -> str:
+    children = [collision(shape, SUPPORT) for shape in shapes] + [visual(shape, colour) for shape in shapes]
+    return document(element("model", [element("link", children, name=name)], name=name))
+
+
+def table_sdf(name: str, size: Size) -> str:
+    """A slab, its origin at the centre of its top face, to be welded to the world.
+
+    Raises:
+        IctampError: a side is not positive.
+    """
+    _check(name, size, 1e-3)
+    return _support_sdf(name, (Shape("top", "box", size, (0.0, 0.0, -size[2] / 2)),), WOOD)
+
+
+def rack_sdf(name: str, size: Size) -> str:
+    """A top plate on four legs with two stabilisers at their feet, the origin at the centre of the plate's top face.
+
+    Raises:
+        IctampError: a side is too short for plate and legs.
+    """
+    _check(name, size, 3 * RACK_THICKNESS)
+    x, y, z = size
+    side = RACK_THICKNESS
+    leg = (side, side, z - side)
+    legs = tuple(
+        Shape(f"leg_{i}", "box", leg, (sx * (x - side) / 2, sy * (y - side) / 2, -(z + side) / 2))
+        for i, (sx, sy) in enumerate(product((-1, 1), repeat=2))
+    )
+    stabilisers = tuple(
+        Shape(f"stabiliser_{i}", "box", (x - 2 * side, side, side), (0.0, sy * (y - side) / 2, side / 2 - z))
+        for i, sy in enumerate((-1, 1))
+    )
+    top = Shape("top", "box", (x, y, side), (0.0, 0.0, -side / 2))
+    return _support_sdf(name, (top, *legs, *stabilisers), METAL)
