@@ -1,0 +1,1 @@
+"""The scene in Drake: plants, c <-> Context, physics, predicates and H."""

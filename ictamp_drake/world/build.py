@@ -1,0 +1,109 @@
+"""From a scene's specification to bodies in a Drake plant."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, Role, SceneGraph
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.planning import RobotDiagram, RobotDiagramBuilder
+
+from ictamp_drake.models import add_package
+from ictamp_drake.models.shapes import box_sdf, rack_sdf, table_sdf
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.world.poses import to_transform
+
+PANDA_URL = "package://ictamp_drake/sdf/panda.sdf"
+
+SUPPORT_SDF: Mapping[str, Callable[[str, tuple[float, ...]], str]] = {"table": table_sdf, "rack": rack_sdf}
+
+
+@dataclass(frozen=True)
+class SceneBodies:
+    """What a scene consists of in a plant.
+
+    Attributes:
+        arm: model instance of the Panda with its hand: 7 revolute joints, 2 prismatic ones.
+        hand: the body that a held object moves with.
+        fingers: left and right.
+        boxes: free bodies by name, sorted; their frame is O.
+        supports: bodies welded to W by name, sorted; their frame is T, in the centre of the top face.
+    """
+
+    arm: ModelInstanceIndex
+    hand: RigidBody
+    fingers: tuple[RigidBody, RigidBody]
+    boxes: Mapping[str, RigidBody]
+    supports: Mapping[str, RigidBody]
+
+
+def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
+    """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification."""
+    parser = Parser(plant)
+    add_package(parser)
+    (arm,) = parser.AddModelsFromUrl(PANDA_URL)
+    base = plant.GetBodyByName("panda_link0", arm)
+    plant.WeldFrames(plant.world_frame(), base.body_frame(), to_transform(spec.arm.X_WB))
+    supports = {}
+    for name, support in sorted(spec.supports.items()):
+        supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size))
+        plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
+    boxes = {}
+    for name, box in sorted(spec.boxes.items()):
+        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.colour))
+        plant.SetDefaultFloatingBaseBodyPose(boxes[name], to_transform(box.X_WO))
+    fingers = (plant.GetBodyByName("panda_leftfinger", arm), plant.GetBodyByName("panda_rightfinger", arm))
+    return SceneBodies(arm, plant.GetBodyByName("panda_hand", arm), fingers, boxes, supports)
+
+
+def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str) -> RigidBody:
+    (instance,) = parser.AddModelsFromString(sdf, "sdf")
+    return plant.get_body(plant.GetBodyIndices(instance)[0])
+
+
+def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
+    """Leave only the shapes themselves: the small spheres serve the physics of contact, not kinematics."""
+    source = plant.get_source_id()
+    for geometry in _contact_points(plant, scene_graph):
+        scene_graph.RemoveRole(source, geometry, Role.kProximity)
+
+
+def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
+    """Let flat faces touch at contact points only.
+
+    Point contact between two faces is one single point that jumps about; several spheres a face carry it firmly. So
+    sphere against sphere, and box against box, top or pad are filtered; sphere against shape remains.
+    """
+    points = _contact_points(plant, scene_graph)
+    boxes = [*bodies.boxes.values(), *bodies.supports.values(), *bodies.fingers]
+    inspector = scene_graph.model_inspector()
+    flat = [
+        geometry
+        for body in boxes
+        for geometry in plant.GetCollisionGeometriesForBody(body)
+        if _own_name(inspector.GetName(geometry)) in {"body", "top", "pad"}
+    ]
+    manager = scene_graph.collision_filter_manager()
+    declaration = CollisionFilterDeclaration()
+    declaration.ExcludeWithin(GeometrySet(points)).ExcludeWithin(GeometrySet(flat))
+    manager.Apply(declaration)
+
+
+def _contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> list[GeometryId]:
+    inspector = scene_graph.model_inspector()
+    geometries = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kProximity)
+    return [geometry for geometry in geometries if "contact" in _own_name(inspector.GetName(geometry))]
+
+
+def _own_name(scoped_name: str) -> str:
+    return scoped_name.rsplit("::", 1)[-1]
+
+
+def build_kinematic(spec: SceneSpec) -> tuple[RobotDiagram, SceneBodies]:
+    """A diagram of the scene for kinematics and collision queries: shapes without contact points, no physics."""
+    builder = RobotDiagramBuilder(time_step=0.0)
+    bodies = add_scene(builder.plant(), spec)
+    builder.plant().Finalize()
+    remove_contact_points(builder.plant(), builder.scene_graph())
+    return builder.Build(), bodies

@@ -1,0 +1,93 @@
+"""Motions as trajectories of Drake: what the controller of arm and hand is told over time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.math import BsplineBasis
+from pydrake.trajectories import (
+    BsplineTrajectory,
+    CompositeTrajectory,
+    PiecewisePolynomial,
+    StackedTrajectory,
+    Trajectory,
+)
+
+from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
+
+FINGER_SPEED = 0.05
+"""Speed of each finger [m/s], the fastest of Franka's hand."""
+FORCE_RAMP = 0.05
+"""Time in which the grip force is built up or released [s]."""
+
+
+def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
+    """How long the hand needs from one command's goal to the next one's [s]."""
+    return abs(after.width - before.width) / 2 / FINGER_SPEED + FORCE_RAMP * (after.force != before.force)
+
+
+def desired_positions(
+    q_arm: FloatArray, gripper: GripperCommand, segments: Sequence[Segment], end: float
+) -> Trajectory:
+    """Positions of the 7 arm joints [rad] and 2 fingers [m] from 0 to `end` [s], standing still after the last segment.
+
+    Args:
+        q_arm: arm joint positions in force before, shape (7,) [rad].
+        gripper: command in force before.
+        segments: what follows, may be empty.
+        end: later than the end of the last segment.
+    """
+    arm: list[Trajectory] = []
+    start = 0.0
+    for segment in segments:
+        arm.append(_arm_piece(segment, start))
+        start += segment.duration
+        q_arm = segment.control_points[-1]
+    arm.append(PiecewisePolynomial.ZeroOrderHold([start, end], np.column_stack([q_arm, q_arm])))
+    times, widths, _ = _gripper_knots(gripper, segments, end)
+    stacked = StackedTrajectory(rowwise=True)
+    stacked.Append(CompositeTrajectory(arm))
+    stacked.Append(PiecewisePolynomial.FirstOrderHold(times, np.tile(widths / 2, (2, 1))))
+    return stacked
+
+
+def feedforward(gripper: GripperCommand, segments: Sequence[Segment], end: float) -> Trajectory:
+    """Efforts added to those of the position controller, shape (9, 1): only the fingers' grip force [N]."""
+    times, _, forces = _gripper_knots(gripper, segments, end)
+    return PiecewisePolynomial.FirstOrderHold(times, np.vstack([np.zeros((7, len(times))), -forces, -forces]))
+
+
+def _arm_piece(segment: Segment, start: float) -> Trajectory:
+    end = start + segment.duration
+    if len(segment.control_points) == 1:
+        q = segment.control_points[0]
+        return PiecewisePolynomial.ZeroOrderHold([start, end], np.column_stack([q, q]))
+    knots = segment.knots + start
+    knots[-segment.order :] = end  # exactly where the next piece starts, whatever was rounded
+    return BsplineTrajectory(BsplineBasis(segment.order, knots), segment.control_points.T)
+
+
+def _gripper_knots(
+    gripper: GripperCommand, segments: Sequence[Segment], end: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Times, widths and forces between which the hand's commands are interpolated.
+
+    The hand grips when its fingers have arrived, and lets go before they move.
+    """
+    knots = {0.0: (gripper.width, gripper.force)}
+    start = 0.0
+    for segment in segments:
+        after = segment.gripper
+        if after != gripper:
+            arrival = start + gripper_time(gripper, after)
+            between = (after.width, gripper.force) if after.force > gripper.force else (gripper.width, after.force)
+            ramp = arrival - FORCE_RAMP if after.force > gripper.force else start + FORCE_RAMP
+            knots[start] = (gripper.width, gripper.force)
+            if start < ramp < arrival:
+                knots[ramp] = between
+            knots[arrival] = (after.width, after.force)
+            gripper = after
+        start += segment.duration
+    knots[end] = (gripper.width, gripper.force)
+    times = np.array(sorted(knots))
+    widths, forces = np.array([knots[time] for time in times]).T
+    return times, widths, forces
