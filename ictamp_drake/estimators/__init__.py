@@ -1,0 +1,1 @@
+"""Estimators P of success, one file per implementation."""

@@ -1,0 +1,40 @@
+"""The estimator that knows nothing: every step is as likely to succeed as every other."""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Action, FloatArray
+
+
+@dataclass(frozen=True)
+class ConstantConfig:
+    """Configuration of the constant estimator.
+
+    Attributes:
+        P: the probability given to every step, in [0, 1]. With 1, optimism where nothing is known, Score_low is
+            1 / (1 + cnt): the search counts attempts and nothing else. A lower P opens more high-level plans.
+    """
+
+    P: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.P <= 1:
+            raise IctampError(f"P of the constant estimator is {self.P}, but must lie between 0 and 1.")
+
+    def create(self) -> "Constant":
+        """The estimator."""
+        return Constant(self.P)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """P(c, a) = P, the base line of every learned estimator."""
+
+    P: float
+
+    def estimate(self, options: Sequence[tuple[Hashable, Action]]) -> FloatArray:
+        """P of each option, shape (len(options),)."""
+        return np.full(len(options), self.P)

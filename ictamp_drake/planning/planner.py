@@ -1,0 +1,199 @@
+"""The loop of the search: budget, events, steps and records. Which option comes next is the rule's affair."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Generic, Protocol
+
+import numpy as np
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Abstraction, Estimator, PlanGenerator, SkillRunner
+from ictamp_drake.core.types import Attempt, C
+from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
+from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.planning.result import PlanningResult, StopReason
+from ictamp_drake.planning.rule import OpenPlan, RunStep, SelectionRule
+from ictamp_drake.planning.tree import Node, Tree
+
+Verify = Callable[[tuple[Attempt[C], ...]], bool]
+"""Judge of a finished plan: the attempts from c_0 to the goal, in order -> does the whole plan hold?"""
+
+
+class RuleConfig(Protocol):
+    """Configuration of a selection rule."""
+
+    def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
+        """The rule for one search."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Limits of one search, looked at before every computational action: the last one may exceed the time.
+
+    Attributes:
+        seconds: computing time, everything included [s].
+        steps: low-level steps, None for any number.
+    """
+
+    seconds: float = 60.0
+    steps: int | None = None
+
+    def __post_init__(self) -> None:
+        if not self.seconds >= 0:
+            raise IctampError(f"seconds of the budget is {self.seconds}, but must be 0 or more.")
+        if self.steps is not None and self.steps < 0:
+            raise IctampError(f"steps of the budget is {self.steps}, but must be 0 or more, or None.")
+
+
+@dataclass(frozen=True)
+class PlannerConfig:
+    """How to search.
+
+    Attributes:
+        budget: when to give up.
+        max_expansions: expansions of the plan generator in one call (Algorithm 3, line 1).
+        rule: the selection rule.
+    """
+
+    budget: Budget = Budget()
+    max_expansions: int = 1000
+    rule: RuleConfig = field(default_factory=ProportionalConfig)
+
+    def __post_init__(self) -> None:
+        if self.max_expansions < 1:
+            raise IctampError(f"max_expansions of the planner is {self.max_expansions}, but must be 1 or more.")
+
+    def create(
+        self,
+        *,
+        c: C,
+        abstraction: Abstraction[C],
+        generator: PlanGenerator,
+        skills: SkillRunner[C],
+        estimator: Estimator[C],
+        verify: Verify[C],
+        rng: np.random.Generator,
+        listeners: Sequence[Listener] = (),
+        stop: Callable[[], bool] = lambda: False,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> "Planner[C]":
+        """The planner for one problem.
+
+        Args:
+            c: c_init, the configuration to start from.
+            abstraction: H.
+            generator: high-level plans from H(c_init) to the goal.
+            skills: runs one skill once.
+            estimator: P, handed to the selection rule.
+            verify: judges a plan that was carried out to its end; when it says no, the search goes on.
+            rng: source of every random choice of rule and skills.
+            listeners: called with every event.
+            stop: asked before every computational action; True ends the search as Ctrl-C does.
+            clock: seconds from any origin.
+        """
+        tree = Tree(c, abstraction(c))  # Algorithm 1, line 1
+        rule = self.rule.create(estimator)
+        return Planner(self, tree, rule, generator, skills, verify, rng, tuple(listeners), stop, clock)
+
+
+@dataclass(frozen=True, eq=False)
+class Planner(Generic[C]):
+    """One search (Algorithm 1). `tree` can be looked at while it grows."""
+
+    config: PlannerConfig
+    tree: Tree[C]
+    rule: SelectionRule[C]
+    generator: PlanGenerator
+    skills: SkillRunner[C]
+    verify: Verify[C]
+    rng: np.random.Generator
+    listeners: tuple[Listener, ...]
+    stop: Callable[[], bool]
+    clock: Callable[[], float]
+    _seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float), init=False)
+    _finished: list[int] = field(default_factory=list, init=False)
+
+    def run(self) -> PlanningResult[C]:
+        """Search until a plan is verified, nothing is left to do or the budget is spent; Ctrl-C ends it cleanly."""
+        start = self.clock()
+        try:
+            reason = self._search(deadline=start + self.config.budget.seconds)
+        except KeyboardInterrupt:
+            reason = StopReason.STOPPED
+        candidate = self._finished[-1] if self._finished else None
+        return PlanningResult(self.tree, reason, self.clock() - start, self._seconds_by_stage(), candidate)
+
+    def _search(self, deadline: float) -> StopReason:
+        self.tree.exhausted = self.generator.exhausted
+        while (reason := self._reason_to_stop(deadline)) is None:
+            with self._timed("selection"):
+                option = self.rule.choose(self.tree, self.rng)
+            reached = self._open_plan() if isinstance(option, OpenPlan) else self._run_step(option)
+            if reached is not None and self.tree.is_finished(reached) and self._is_verified(reached):
+                return StopReason.SOLVED
+        return reason
+
+    def _reason_to_stop(self, deadline: float) -> StopReason | None:
+        budget = self.config.budget
+        if self.tree.exhausted and not self.tree.open_plans:
+            return StopReason.UNREACHABLE
+        if self.stop():
+            return StopReason.STOPPED
+        if self.clock() >= deadline:
+            return StopReason.OUT_OF_TIME
+        if budget.steps is not None and len(self.tree.steps) >= budget.steps:
+            return StopReason.OUT_OF_STEPS
+        return None
+
+    def _open_plan(self) -> Node[C]:
+        """Algorithm 3; returns the root, which is at the goal already when the new plan is empty."""
+        before = self.generator.expanded
+        with self._timed("plan_generator"):
+            plan = self.generator.next_plan(self.config.max_expansions)
+        self.tree.exhausted = self.generator.exhausted
+        opening = self.tree.record_opening(plan, self.generator.expanded - before)
+        self._tell(PlanOpened(plan, opening.expanded, self.tree.exhausted))
+        return self.tree.root
+
+    def _run_step(self, option: RunStep) -> Node[C] | None:
+        """Algorithm 2, lines 4-9; returns the node reached."""
+        node, plan = self.tree.nodes[option.node], self.tree.plans[option.plan]
+        self._tell(StepStarted(node, plan.actions[0]))
+        attempt = self.skills.attempt(node.c, plan.actions[0], plan.states[1], self.rng)
+        step = self.tree.record_step(option.node, option.plan, attempt)
+        child = None if step.child is None else self.tree.nodes[step.child]
+        self._tell(StepDone(node, attempt, child))
+        return child
+
+    def _is_verified(self, node: Node[C]) -> bool:
+        if node.index in self.tree.candidates:
+            return False
+        path = self.tree.path(node.index)
+        self._finished.append(node.index)
+        with self._timed("verification"):
+            verified = self.verify(path)
+        self.tree.candidates[node.index] = verified
+        self._tell(Verified(node, path, verified))
+        return verified
+
+    def _seconds_by_stage(self) -> dict[str, float]:
+        seconds = self._seconds.copy()
+        for step in self.tree.steps:
+            for stage, duration in step.attempt.seconds.items():
+                seconds[stage] += duration
+        return dict(seconds)
+
+    def _tell(self, event: Event) -> None:
+        for listener in self.listeners:
+            listener(event)
+
+    @contextmanager
+    def _timed(self, stage: str) -> Iterator[None]:
+        start = self.clock()
+        try:
+            yield
+        finally:
+            self._seconds[stage] += self.clock() - start

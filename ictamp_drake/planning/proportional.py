@@ -1,0 +1,95 @@
+"""The paper's selection rule: options are drawn in proportion to their scores, and plans are rolled out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import Action, C
+from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.scores import draw, latest_plan_cost, node_weight, score_high, score_low
+from ictamp_drake.planning.tree import Step, Tree
+
+
+@dataclass(frozen=True)
+class ProportionalConfig:
+    """Constants of the paper's section Heuristics.
+
+    Attributes:
+        W: weight of opening plans against running them. The paper names no value; with 1 a plan that costs a single
+            expansion is worth as much as a fresh step that is certain to succeed. Raise it to open more plans.
+        floor: least estimated probability, so that no step is ever given up.
+        redraw: draw the configuration anew before each step of a rollout (Algorithm 2, line 3); False goes on from the
+            configuration just reached.
+    """
+
+    W: float = 1.0
+    floor: float = 0.1
+    redraw: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("W", "floor"):
+            if not getattr(self, name) >= 0:
+                raise IctampError(f"{name} of the selection rule is {getattr(self, name)}, but must be 0 or more.")
+
+    def create(self, estimator: Estimator[C]) -> "Proportional[C]":
+        """The rule for one search."""
+        return Proportional(self, estimator)
+
+
+class Proportional(Generic[C]):
+    """Algorithms 1 and 2 with the scores of the paper's section Heuristics.
+
+    After a success the rollout goes on with the rest of the plan. Algorithm 2, line 3 draws a configuration of the
+    state reached, so the next step starts from any node that holds this rest, drawn in proportion to 1 / (1 + cnt):
+    the node just reached weighs 1, and older ones less for every attempt they made. After a failure, a finished plan or
+    an opening, one option is drawn among opening a plan and running each known plan (Algorithm 1, lines 3-5). A plan
+    is scored from the node that was drawn for it, and run from the same node.
+
+    P depends on the configuration and the plan's first action, neither of which ever changes, so it is computed once.
+    """
+
+    def __init__(self, config: ProportionalConfig, estimator: Estimator[C]) -> None:
+        self._config = config
+        self._estimator = estimator
+        self._P: dict[tuple[int, Action], float] = {}
+
+    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        """Go on with the rollout, or else draw one option in proportion to the scores."""
+        return self._next_of_rollout(tree, rng) or self._draw_option(tree, rng)
+
+    def _next_of_rollout(self, tree: Tree[C], rng: np.random.Generator) -> RunStep | None:
+        last = tree.log[-1] if tree.log else None
+        if not isinstance(last, Step) or last.child is None or tree.is_finished(tree.nodes[last.child]):
+            return None
+        (rest,) = tree.nodes[last.child].cnt
+        return self._draw_node(tree, rest, rng) if self._config.redraw else RunStep(last.child, rest)
+
+    def _draw_option(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        runs = [self._draw_node(tree, plan, rng) for plan in tree.open_plans]
+        options: list[Option] = [*runs]
+        scores = self._scores_low(tree, runs)
+        if not tree.exhausted:
+            options.append(OpenPlan())
+            scores.append(score_high(latest_plan_cost(tree.openings), self._config.W))
+        return options[draw(scores, rng)]
+
+    def _draw_node(self, tree: Tree[C], plan: int, rng: np.random.Generator) -> RunStep:
+        holders = tree.holders[plan]
+        return RunStep(holders[draw([node_weight(tree.nodes[node].cnt[plan]) for node in holders], rng)], plan)
+
+    def _scores_low(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
+        estimates = self._estimates(tree, runs)
+        counts = [tree.nodes[run.node].cnt[run.plan] for run in runs]
+        return [score_low(P, cnt, self._config.floor) for P, cnt in zip(estimates, counts, strict=True)]
+
+    def _estimates(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
+        keys = [(run.node, tree.first_action(run.plan)) for run in runs]
+        missing = list(dict.fromkeys(key for key in keys if key not in self._P))
+        if missing:
+            values = self._estimator.estimate([(tree.nodes[node].c, action) for node, action in missing])
+            self._P.update(zip(missing, values.tolist(), strict=True))
+        return [self._P[key] for key in keys]

@@ -1,0 +1,35 @@
+"""What a selection rule is: it reads the tree and says which computational action comes next."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ictamp_drake.core.types import C
+from ictamp_drake.planning.tree import Tree
+
+
+@dataclass(frozen=True)
+class OpenPlan:
+    """Ask the plan generator for one more high-level plan."""
+
+
+class RunStep(NamedTuple):
+    """Attempt the first action of a plan from a node that holds it; both are numbers in the tree."""
+
+    node: int
+    plan: int
+
+
+Option = OpenPlan | RunStep
+
+
+class SelectionRule(Protocol[C]):
+    """A search strategy. One rule serves one search, so it may remember what it computed for a node."""
+
+    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        """The next computational action.
+
+        Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
+        plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
+        """

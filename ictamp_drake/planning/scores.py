@@ -1,0 +1,43 @@
+"""The formulas of the paper's section Heuristics, and drawing in proportion to them."""
+
+from bisect import bisect
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+
+import numpy as np
+
+from ictamp_drake.planning.tree import Opening
+
+
+def latest_plan_cost(openings: Iterable[Opening]) -> int:
+    """L_nodes: nodes expanded for the most recent plan, 1 before the first (paper, Heuristics).
+
+    Calls that ended without a plan count towards the next plan. A plan that cost no expansion counts as one.
+    """
+    cost, since = 1, 0
+    for opening in openings:
+        since += opening.expanded
+        if opening.plan is not None:
+            cost, since = max(1, since), 0
+    return cost
+
+
+def score_high(L_nodes: int, W: float) -> float:
+    """Score_high = W / L_nodes of opening one more high-level plan (paper, Heuristics)."""
+    return W / L_nodes
+
+
+def score_low(P: float, cnt: int, floor: float) -> float:
+    """Score_low = max(floor, P) / (1 + cnt_i(p_j)) of running plan p_j from node n_i (paper, Heuristics)."""
+    return max(floor, P) * node_weight(cnt)
+
+
+def node_weight(cnt: int) -> float:
+    """1 / (1 + cnt_i(p_j)), the weight of n_i among the nodes that hold p_j (paper, Heuristics)."""
+    return 1 / (1 + cnt)
+
+
+def draw(weights: Sequence[float], rng: np.random.Generator) -> int:
+    """Index drawn in proportion to the weights, which are non-negative; at least one is given."""
+    cumulative = list(accumulate(weights))
+    return bisect(cumulative, rng.random() * cumulative[-1], hi=len(cumulative) - 1)

@@ -1,0 +1,230 @@
+"""The completion tree as plain data: what was found, what was tried, in the order in which it happened.
+
+Paper, Search Tree Formulation: a node is n_i = (c_i, s_i, P_i, cnt_i). Plans are numbered in order of appearance and
+kept once, so P_i and cnt_i together are a dictionary from the number of a plan to its count. The tree decides nothing:
+selection rules read it, the planner writes it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Generic
+
+from ictamp_drake.core.types import Action, Attempt, C, Skeleton, State
+
+ROOT = 0
+"""Number of the root node n_0."""
+
+
+@dataclass
+class Node(Generic[C]):
+    """n_i = (c_i, s_i, P_i, cnt_i).
+
+    Attributes:
+        index: order of creation, 0 is the root.
+        c: configuration.
+        s: its symbolic state H(c).
+        parent: number of the node that c was reached from, None at the root.
+        attempt: the run of a skill that led here, None at the root.
+        depth: skills run since the root.
+        cnt: how often this node attempted each plan that it holds, by the plan's number. The keys are P_i; a node at
+            the goal holds the empty plan.
+    """
+
+    index: int
+    c: C
+    s: State
+    parent: int | None = None
+    attempt: Attempt[C] | None = None
+    depth: int = 0
+    cnt: dict[int, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Opening:
+    """One call of the plan generator (Algorithm 3).
+
+    Attributes:
+        plan: number of the new plan, None when the call ended without one.
+        expanded: nodes that the generator expanded in this call.
+    """
+
+    plan: int | None
+    expanded: int
+
+
+@dataclass(frozen=True)
+class Step(Generic[C]):
+    """One low-level step: a node attempted the first action of a plan.
+
+    Attributes:
+        node: number of the node.
+        plan: number of the plan.
+        attempt: the run of the skill.
+        child: number of the node that it led to, None when it failed.
+    """
+
+    node: int
+    plan: int
+    attempt: Attempt[C]
+    child: int | None
+
+
+class Tree(Generic[C]):
+    """The tree of one search.
+
+    Attributes:
+        nodes: in order of creation.
+        plans: every known plan, opened ones and suffixes, in order of appearance.
+        holders: for each plan the numbers of the nodes that hold it.
+        log: openings and steps in the order in which they happened.
+        candidates: nodes at which a plan was finished, and whether the whole plan was verified.
+        exhausted: True when no further plan can come.
+    """
+
+    def __init__(self, c: C, s: State) -> None:
+        self.nodes: list[Node[C]] = [Node(ROOT, c, s)]
+        self.plans: list[Skeleton] = []
+        self.holders: list[list[int]] = []
+        self.log: list[Opening | Step[C]] = []
+        self.candidates: dict[int, bool] = {}
+        self.exhausted = False
+        self._numbers: dict[Skeleton, int] = {}
+
+    @property
+    def root(self) -> Node[C]:
+        return self.nodes[ROOT]
+
+    @property
+    def openings(self) -> list[Opening]:
+        return [entry for entry in self.log if isinstance(entry, Opening)]
+
+    @property
+    def steps(self) -> list[Step[C]]:
+        return [entry for entry in self.log if isinstance(entry, Step)]
+
+    @property
+    def open_plans(self) -> list[int]:
+        """Numbers of the plans that have a first action to attempt."""
+        return [number for number, plan in enumerate(self.plans) if plan.actions]
+
+    @property
+    def solution(self) -> int | None:
+        """Number of the first node whose plan was verified."""
+        return next((node for node, verified in self.candidates.items() if verified), None)
+
+    def first_action(self, plan: int) -> Action:
+        return self.plans[plan].actions[0]
+
+    def is_finished(self, node: Node[C]) -> bool:
+        """True when the node holds an empty plan, that is, when a plan was carried out up to here."""
+        return any(not self.plans[plan].actions for plan in node.cnt)
+
+    def record_opening(self, plan: Skeleton | None, expanded: int) -> Opening:
+        """Give the root a new plan, or note that a call of the generator brought none.
+
+        Raises:
+            ValueError: when the plan does not start in the root's state.
+        """
+        if plan is not None and plan.states[0] != self.root.s:
+            raise ValueError("a high-level plan must start in the symbolic state of the root")
+        opening = Opening(None if plan is None else self._hold(self.root, plan), expanded)
+        self.log.append(opening)
+        return opening
+
+    def record_step(self, node: int, plan: int, attempt: Attempt[C]) -> Step[C]:
+        """Count an attempt of `node` at `plan`; a success adds the node that holds the plan's rest with count 0.
+
+        Raises:
+            ValueError: when the attempt succeeded but names no successor.
+        """
+        child = self._add_child(self.nodes[node], plan, attempt) if attempt.succeeded else None
+        step = Step(node, plan, attempt, child)
+        self.nodes[node].cnt[plan] += 1
+        self.log.append(step)
+        return step
+
+    def path(self, node: int) -> tuple[Attempt[C], ...]:
+        """The attempts that lead from the root to the node, empty for the root."""
+        attempts: list[Attempt[C]] = []
+        here = self.nodes[node]
+        while here.parent is not None and here.attempt is not None:
+            attempts.append(here.attempt)
+            here = self.nodes[here.parent]
+        return tuple(reversed(attempts))
+
+    def summary(self) -> dict[str, int]:
+        """The figures that every comparison of searches needs."""
+        steps = self.steps
+        return {
+            "nodes": len(self.nodes),
+            "depth": max(node.depth for node in self.nodes),
+            "high_level_plans": sum(opening.plan is not None for opening in self.openings),
+            "high_level_calls": len(self.log) - len(steps),
+            "high_level_expansions": sum(opening.expanded for opening in self.openings),
+            "low_level_steps": len(steps),
+            "low_level_failures": sum(step.child is None for step in steps),
+            "candidates": len(self.candidates),
+        }
+
+    def to_dict(self, encode: Callable[[C], Any] | None = None) -> dict[str, Any]:
+        """The tree in the types of JSON: the same search gives the same text, so no times are in it.
+
+        Args:
+            encode: writes a configuration in the types of JSON; without it configurations are left out.
+        """
+        return {
+            "summary": self.summary(),
+            "exhausted": self.exhausted,
+            "solution": self.solution,
+            "candidates": [{"node": node, "verified": verified} for node, verified in self.candidates.items()],
+            "plans": [[str(action) for action in plan.actions] for plan in self.plans],
+            "nodes": [_node_to_dict(node, encode) for node in self.nodes],
+            "log": [_entry_to_dict(entry) for entry in self.log],
+        }
+
+    def _hold(self, node: Node[C], plan: Skeleton) -> int:
+        number = self._numbers.setdefault(plan, len(self.plans))
+        if number == len(self.plans):
+            self.plans.append(plan)
+            self.holders.append([])
+        if number not in node.cnt:
+            node.cnt[number] = 0
+            self.holders[number].append(node.index)
+        return number
+
+    def _add_child(self, parent: Node[C], plan: int, attempt: Attempt[C]) -> int:
+        if attempt.successor is None:
+            raise ValueError(f"{attempt.action} succeeded without a successor")
+        rest = self.plans[plan].suffix(1)
+        child = Node(len(self.nodes), attempt.successor, rest.states[0], parent.index, attempt, parent.depth + 1)
+        self.nodes.append(child)
+        self._hold(child, rest)
+        return child.index
+
+
+def _node_to_dict(node: Node[C], encode: Callable[[C], Any] | None) -> dict[str, Any]:
+    return {
+        "index": node.index,
+        "parent": node.parent,
+        "depth": node.depth,
+        "action": None if node.attempt is None else str(node.attempt.action),
+        "state": sorted(str(atom) for atom in node.s),
+        "plans": list(node.cnt),
+        "cnt": list(node.cnt.values()),
+    } | ({} if encode is None else {"c": encode(node.c)})
+
+
+def _entry_to_dict(entry: Opening | Step[C]) -> dict[str, Any]:
+    if isinstance(entry, Opening):
+        return {"event": "opening", "plan": entry.plan, "expanded": entry.expanded}
+    attempt = entry.attempt
+    return {
+        "event": "step",
+        "node": entry.node,
+        "plan": entry.plan,
+        "action": str(attempt.action),
+        "k": None if attempt.k is None else attempt.k.tolist(),
+        "failure": None if attempt.failure is None else attempt.failure.name,
+        "rejections": [failure.name for failure in attempt.rejections],
+        "child": entry.child,
+    }

@@ -1,0 +1,148 @@
+"""A world without Drake in which the whole search runs in milliseconds.
+
+A robot walks on a grid from (0, 0) to the far corner by the actions right and up. A configuration is the cell and an
+offset inside it, the parameter k that the last step happened to draw. Cells may be walled off, steps may slip, and a
+cell with a narrow door lets in only who stands at a small enough offset in the cell before: the only help then is to go
+back and enter that cell once more with another k.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import permutations
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Skeleton, State
+
+Cell = tuple[int, int]
+RIGHT, UP = Action("right", ()), Action("up", ())
+MOVES = {RIGHT: (1, 0), UP: (0, 1)}
+
+
+class ToyConfiguration(NamedTuple):
+    """c: the cell and the offset in [0, 1] drawn when it was entered."""
+
+    cell: Cell
+    offset: float
+
+
+def abstraction(c: ToyConfiguration) -> State:
+    """H: the cell."""
+    return frozenset({Atom("at", (str(c.cell[0]), str(c.cell[1])))})
+
+
+@dataclass(frozen=True)
+class ToyWorld:
+    """The grid and its hazards.
+
+    Attributes:
+        size: the far corner, which is the goal.
+        success: probability that a step does not slip.
+        walls: cells that cannot be entered.
+        doors: cells that can be entered only from an offset below the door's width.
+        offsets: the parameters k that a step can draw; empty for uniform in [0, 1).
+        max_plans: plans that the generator knows, in lexicographic order; None for all.
+        expansions: nodes that the generator expands for each plan.
+        seconds: pretended computing time of a step [s].
+    """
+
+    size: Cell = (1, 1)
+    success: float = 1.0
+    walls: tuple[Cell, ...] = ()
+    doors: Mapping[Cell, float] = field(default_factory=dict)
+    offsets: tuple[float, ...] = ()
+    max_plans: int | None = None
+    expansions: int = 10
+    seconds: float = 0.5
+
+    @property
+    def start(self) -> ToyConfiguration:
+        return ToyConfiguration((0, 0), 0.5)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The world in the types of JSON."""
+        return asdict(self) | {"doors": [[*cell, width] for cell, width in self.doors.items()]}
+
+    def plans(self) -> Iterator[Skeleton]:
+        """Every monotone path from the start to the goal, in lexicographic order."""
+        words = sorted(set(permutations((RIGHT,) * self.size[0] + (UP,) * self.size[1])), key=str)
+        for actions in words[: self.max_plans]:
+            cells = [(0, 0)]
+            for action in actions:
+                cells.append(_after(cells[-1], action))
+            yield Skeleton(tuple(abstraction(ToyConfiguration(cell, 0.0)) for cell in cells), actions)
+
+    def attempt(
+        self, c: ToyConfiguration, action: Action, promised: State, rng: np.random.Generator
+    ) -> Attempt[ToyConfiguration]:
+        """Run one step from c; draws exactly two random numbers."""
+        offset, luck = (float(value) for value in rng.random(2))
+        if self.offsets:
+            offset = self.offsets[int(offset * len(self.offsets))]
+        cell = _after(c.cell, action)
+        seconds = {"physics": self.seconds}
+        if cell in self.walls:
+            return Attempt(action, Failure.NO_PATH, rejections=(Failure.NO_INVERSE_KINEMATICS,) * 2, seconds=seconds)
+        if c.offset >= self.doors.get(cell, 1.0):
+            return Attempt(action, Failure.GOAL_IN_COLLISION, k=np.array([offset]), seconds=seconds)
+        if luck >= self.success:
+            return Attempt(action, Failure.SLIPPED, successor=c, k=np.array([offset]), seconds=seconds)
+        successor = ToyConfiguration(cell, offset)
+        assert abstraction(successor) == promised
+        return Attempt(action, None, successor, np.array([offset]), seconds=seconds)
+
+
+def _after(cell: Cell, action: Action) -> Cell:
+    return cell[0] + MOVES[action][0], cell[1] + MOVES[action][1]
+
+
+class ToyGenerator:
+    """The plans of a world one after the other, each for a fixed number of expansions."""
+
+    def __init__(self, world: ToyWorld) -> None:
+        self._plans = list(world.plans())
+        self._cost = world.expansions
+        self._paid = 0
+        self.expanded = 0
+
+    @property
+    def exhausted(self) -> bool:
+        return not self._plans
+
+    def next_plan(self, max_expansions: int) -> Skeleton | None:
+        """The next plan, as soon as its expansions were paid for, in several calls if need be."""
+        if self.exhausted:
+            return None
+        paid = min(max_expansions, self._cost - self._paid)
+        self.expanded += paid
+        self._paid += paid
+        if self._paid < self._cost:
+            return None
+        self._paid = 0
+        return self._plans.pop(0)
+
+
+@dataclass
+class TableEstimator:
+    """P by action, with a record of what it was asked."""
+
+    P: Mapping[Action, float]
+    asked: list[list[tuple[ToyConfiguration, Action]]] = field(default_factory=list)
+
+    def estimate(self, options: Sequence[tuple[ToyConfiguration, Action]]) -> FloatArray:
+        self.asked.append(list(options))
+        return np.array([self.P[action] for _, action in options])
+
+
+@dataclass
+class TickingClock:
+    """A clock that goes on by a fixed time whenever it is read."""
+
+    tick: float = 0.0
+    now: float = 0.0
+
+    def __call__(self) -> float:
+        self.now += self.tick
+        return self.now
