@@ -16,7 +16,7 @@ from ictamp_drake.world.poses import to_transform
 
 PANDA_URL = "package://ictamp_drake/sdf/panda.sdf"
 
-SUPPORT_SDF: Mapping[str, Callable[[str, tuple[float, ...]], str]] = {"table": table_sdf, "rack": rack_sdf}
+SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str) -> RigidBody:
 def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
     """Leave only the shapes themselves: the small spheres serve the physics of contact, not kinematics."""
     source = plant.get_source_id()
-    for geometry in _contact_points(plant, scene_graph):
+    for geometry in _contact_points(scene_graph):
         scene_graph.RemoveRole(source, geometry, Role.kProximity)
 
 
@@ -75,7 +75,7 @@ def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies:
     Point contact between two faces is one single point that jumps about; several spheres a face carry it firmly. So
     sphere against sphere, and box against box, top or pad are filtered; sphere against shape remains.
     """
-    points = _contact_points(plant, scene_graph)
+    points = _contact_points(scene_graph)
     boxes = [*bodies.boxes.values(), *bodies.supports.values(), *bodies.fingers]
     inspector = scene_graph.model_inspector()
     flat = [
@@ -90,7 +90,7 @@ def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies:
     manager.Apply(declaration)
 
 
-def _contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> list[GeometryId]:
+def _contact_points(scene_graph: SceneGraph) -> list[GeometryId]:
     inspector = scene_graph.model_inspector()
     geometries = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kProximity)
     return [geometry for geometry in geometries if "contact" in _own_name(inspector.GetName(geometry))]

@@ -1,6 +1,4 @@
-"""Core's pose arrays (quaternion w, x, y, z, then position) to and from Drake's transforms."""
-
-from typing import Any
+"""Core's pose arrays (quaternion w, x, y, z, then position) as Drake's transforms."""
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
@@ -12,9 +10,3 @@ from ictamp_drake.core.types import FloatArray
 def to_transform(pose: FloatArray) -> RigidTransform:
     """Drake's transform of a pose array, shape (7,)."""
     return RigidTransform(Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:])
-
-
-def to_pose(X: RigidTransform) -> FloatArray:
-    """Pose array of Drake's transform, shape (7,)."""
-    quaternion: Any = X.rotation().ToQuaternion()
-    return np.concatenate([quaternion.wxyz(), X.translation()])

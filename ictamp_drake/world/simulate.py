@@ -2,21 +2,20 @@
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Segment
+from ictamp_drake.core.types import Configuration, GripperCommand, Segment
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.build import add_scene, filter_flat_contacts
 from ictamp_drake.world.commands import desired_positions, feedforward
-from ictamp_drake.world.poses import to_pose, to_transform
 
 OPEN = GripperCommand(width=0.08)
 
@@ -35,6 +34,7 @@ class PhysicsConfig:
         settle_time: longest wait for rest after a motion [s].
         settle_check: time between two looks at the speeds [s].
         min_pad_force: least normal force of each finger on an object that counts as held [N].
+        record_period: time between two frames of a recording [s].
     """
 
     time_step: float = 0.005
@@ -49,6 +49,7 @@ class PhysicsConfig:
     settle_time: float = 2.0
     settle_check: float = 0.05
     min_pad_force: float = 1.0
+    record_period: float = 1 / 30
 
     def create(self, spec: SceneSpec) -> "Physics":
         """A simulator of the scene."""
@@ -68,6 +69,13 @@ class Outcome:
     c: Configuration
     settled: bool
     stopped_after: int | None = None
+
+
+class Frame(NamedTuple):
+    """A moment of a recorded simulation: time from its start [s] and what is there."""
+
+    time: float
+    c: Configuration
 
 
 Watcher = Callable[[int, "Physics"], bool]
@@ -114,6 +122,7 @@ class Physics:
         *,
         locked: Collection[str] = (),
         watch: Watcher | None = None,
+        record: Callable[[Frame], None] | None = None,
     ) -> Outcome:
         """Execute a motion from c and wait until all is at rest.
 
@@ -122,10 +131,11 @@ class Physics:
             motion: segments one after the other; empty just lets the scene settle.
             locked: boxes that stay where they are, for speed: only those that nothing comes near.
             watch: may end the simulation early.
+            record: is given a frame every `record_period`.
         """
         self._start(c, motion, locked)
+        self._record(record)
         time = 0.0
-        held = c.held
         for index, segment in enumerate(motion):
             time += segment.duration
             self._simulator.AdvanceTo(time)
@@ -149,16 +159,31 @@ class Physics:
         plant.SetPositions(context, self.bodies.arm, c.q)
         for name, body in self.bodies.boxes.items():
             body.Unlock(context)
-            plant.SetFloatingBaseBodyPoseInWorldFrame(context, body, to_transform(c.poses[name]))
+            plant.SetPositions(context, body.model_instance(), c.poses[name])
         plant.SetVelocities(context, np.zeros(plant.num_velocities()))
         for name in locked:
             self.bodies.boxes[name].Lock(context)
         self._simulator.Initialize()
 
+    def _record(self, record: Callable[[Frame], None] | None) -> None:
+        if record is None:
+            self._simulator.clear_monitor()
+            return
+        due = 0.0
+
+        def monitor(context: Context) -> EventStatus:
+            nonlocal due
+            if context.get_time() >= due:
+                due += self.config.record_period
+                record(Frame(context.get_time(), self.configuration()))
+            return EventStatus.DidNothing()
+
+        self._simulator.set_monitor(monitor)
+
     def configuration(self) -> Configuration:
         """The configuration at this moment; velocities are dropped."""
         plant, context = self._plant, self._context
-        poses = {n: to_pose(plant.EvalBodyPoseInWorld(context, body)) for n, body in self.bodies.boxes.items()}
+        poses = {n: plant.GetPositions(context, body.model_instance()) for n, body in self.bodies.boxes.items()}
         return Configuration(plant.GetPositions(context, self.bodies.arm), poses, self.gripped())
 
     def gripped(self) -> str | None:

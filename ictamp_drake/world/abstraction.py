@@ -1,0 +1,78 @@
+"""H: C -> S, computed from what is there and never assumed (paper, Problem Formulation)."""
+
+from collections.abc import Callable, Mapping
+
+from ictamp_drake.core.types import Atom, Configuration, State
+from ictamp_drake.world.predicates import Evaluation, PredicateConfig, Scene
+from ictamp_drake.world.world import World
+
+
+class Abstraction:
+    """H of one scene.
+
+    on(a, b): b carries a, and a is upright. lying(a, b): b carries a, which is tipped over onto a side or its head.
+    in-hand(a): both fingers touch a and nothing carries it. clear(a): nothing touches a from above, and it is not in
+    the hand. hand-empty: nothing is in the hand. upright(a), tipped(a): which face of a is nearest to the ground.
+    """
+
+    def __init__(self, world: World, config: PredicateConfig | None = None) -> None:
+        self._world = world
+        self._config = config or PredicateConfig()
+        self._boxes = sorted(world.spec.boxes)
+        self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
+
+    def __call__(self, c: Configuration) -> State:
+        """All atoms that hold in c."""
+        scene = Scene(self._world, c, self._config)
+        return frozenset(atom for atom in self._candidates() if self._evaluate(scene, atom).holds)
+
+    def eval(self, c: Configuration, atom: Atom) -> bool:
+        """Whether one atom holds in c."""
+        return self._evaluate(Scene(self._world, c, self._config), atom).holds
+
+    def eval_detailed(self, c: Configuration, atom: Atom) -> Mapping[str, float]:
+        """The quantities that decide whether the atom holds in c, by name [m, rad]."""
+        return self._evaluate(Scene(self._world, c, self._config), atom).quantities
+
+    def _candidates(self) -> list[Atom]:
+        unary = [Atom(p, (a,)) for p in ("in-hand", "clear", "upright", "tipped") for a in self._boxes]
+        pairs = [(a, b) for a in self._boxes for b in self._receptacles if a != b]
+        return [Atom("hand-empty", ()), *unary, *(Atom(p, pair) for p in ("on", "lying") for pair in pairs)]
+
+    def _evaluate(self, scene: Scene, atom: Atom) -> Evaluation:
+        predicates: dict[str, Callable[..., Evaluation]] = {
+            "on": self._on,
+            "lying": self._lying,
+            "in-hand": self._in_hand,
+            "clear": self._clear,
+            "hand-empty": self._hand_empty,
+            "upright": self._upright,
+            "tipped": self._tipped,
+        }
+        return predicates[atom.predicate](scene, *atom.args)
+
+    def _on(self, scene: Scene, a: str, b: str) -> Evaluation:
+        carried = scene.carried(a, b)
+        return Evaluation(carried.holds and scene.boxes[a].is_upright, carried.quantities)
+
+    def _lying(self, scene: Scene, a: str, b: str) -> Evaluation:
+        carried = scene.carried(a, b)
+        return Evaluation(carried.holds and not scene.boxes[a].is_upright, carried.quantities)
+
+    def _in_hand(self, scene: Scene, a: str) -> Evaluation:
+        gripped = scene.gripped(a)
+        resting = any(scene.above(a, b).holds for b in self._receptacles if b != a)
+        return Evaluation(gripped.holds and not resting, gripped.quantities)
+
+    def _clear(self, scene: Scene, a: str) -> Evaluation:
+        covered = any(scene.above(b, a).holds for b in self._boxes if b != a)
+        return Evaluation(not covered and not self._in_hand(scene, a).holds, {})
+
+    def _hand_empty(self, scene: Scene) -> Evaluation:
+        return Evaluation(not any(self._in_hand(scene, a).holds for a in self._boxes), {})
+
+    def _upright(self, scene: Scene, a: str) -> Evaluation:
+        return Evaluation(scene.boxes[a].is_upright, scene.tilt(a).quantities)
+
+    def _tipped(self, scene: Scene, a: str) -> Evaluation:
+        return Evaluation(not scene.boxes[a].is_upright, scene.tilt(a).quantities)

@@ -1,0 +1,50 @@
+"""Frames that skills and predicates speak of: U, a box as it lies, and T, the top face of what things are put on."""
+
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.math import RigidTransform, RotationMatrix
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.world.poses import to_transform
+
+
+class Upright(NamedTuple):
+    """A box as it lies.
+
+    Attributes:
+        X_WU: frame at the box's centre whose z axis is the box axis nearest to W's z, pointing up.
+        size: sides along U's axes, shape (3,) [m].
+        axis: which axis of O is U's z: 0, 1 or 2.
+        sign: 1 when that axis points up, -1 when it points down.
+    """
+
+    X_WU: RigidTransform
+    size: FloatArray
+    axis: int
+    sign: int
+
+    @property
+    def X_WT(self) -> RigidTransform:
+        """Frame in the centre of the top face, parallel to U."""
+        return self.X_WU @ RigidTransform([0.0, 0.0, self.size[2] / 2])
+
+    @property
+    def is_upright(self) -> bool:
+        """Whether the box stands on the face it was specified with, and not on another one."""
+        return self.axis == 2 and self.sign == 1
+
+
+def upright(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> Upright:
+    """The box as it lies, from X_WO, shape (7,), and its sides along O's axes [m].
+
+    U = O for a box that stands upright; otherwise U's x is the O axis that follows U's z cyclically.
+    """
+    X_WO = to_transform(pose)
+    vertical = X_WO.rotation().matrix()[2]
+    axis = int(np.argmax(np.abs(vertical)))
+    sign = 1 if vertical[axis] > 0 else -1
+    order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+    R_OU = np.zeros((3, 3))
+    R_OU[order, range(3)] = [1, sign, sign]
+    return Upright(X_WO @ RigidTransform(RotationMatrix(R_OU), np.zeros(3)), np.asarray(size)[order], axis, sign)

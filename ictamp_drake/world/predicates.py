@@ -1,0 +1,72 @@
+"""Predicates computed from poses and contacts: when a is carried by b, and when the hand holds a."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.world.world import Touch, World
+
+
+@dataclass(frozen=True)
+class PredicateConfig:
+    """Tolerances of the predicates.
+
+    Attributes:
+        contact: surfaces nearer than this touch [m].
+        tilt: largest angle between an upright box's axis and the vertical [rad].
+        slope: largest angle between a carrying contact's normal and the vertical [rad].
+    """
+
+    contact: float = 0.0015
+    tilt: float = 0.15
+    slope: float = 0.3
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Outcome of a predicate with the quantities it was decided by [m, rad]."""
+
+    holds: bool
+    quantities: Mapping[str, float]
+
+
+class Scene:
+    """A configuration with its contacts, evaluated once for all predicates."""
+
+    def __init__(self, world: World, c: Configuration, config: PredicateConfig) -> None:
+        self.world = world
+        self.c = c
+        self.config = config
+        self.boxes = {name: world.upright(c, name) for name in world.spec.boxes}
+        touches = world.touches(c, config.contact)
+        self._touches = {(t.a, t.b): t for t in touches}
+        self._touches |= {(t.b, t.a): Touch(t.b, t.a, t.distance, -t.normal) for t in touches}
+
+    def tilt(self, a: str) -> Evaluation:
+        """Whether one of a's faces is level; how far it is from that."""
+        angle = float(np.arccos(np.clip(self.boxes[a].X_WU.rotation().matrix()[2, 2], -1.0, 1.0)))
+        return Evaluation(angle <= self.config.tilt, {"tilt": angle})
+
+    def above(self, a: str, b: str) -> Evaluation:
+        """Whether a touches b from above."""
+        touch = self._touches.get((a, b))
+        if touch is None:
+            return Evaluation(False, {"distance": np.inf})
+        slope = float(np.arccos(np.clip(touch.normal[2], -1.0, 1.0)))
+        return Evaluation(slope <= self.config.slope, {"distance": touch.distance, "slope": slope})
+
+    def carried(self, a: str, b: str) -> Evaluation:
+        """Whether b carries a: contact from above, the centre of mass of a inside b's top face, and a level."""
+        above, tilt = self.above(a, b), self.tilt(a)
+        p_TA = self.world.X_WT(self.c, b).inverse() @ self.boxes[a].X_WU.translation()
+        overhang = float(np.max(np.abs(p_TA[:2]) - self.world.top_size(self.c, b) / 2))
+        holds = above.holds and tilt.holds and overhang <= 0 < p_TA[2]
+        return Evaluation(holds, {**above.quantities, **tilt.quantities, "overhang": overhang})
+
+    def gripped(self, a: str) -> Evaluation:
+        """Whether both fingers touch a."""
+        fingers = ("left_finger", "right_finger")
+        distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in fingers}
+        return Evaluation(max(distances.values()) <= self.config.contact, distances)

@@ -1,0 +1,95 @@
+"""The scene in Drake without physics: c to Context and back, frames and contacts."""
+
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.world.build import build_kinematic
+from ictamp_drake.world.frames import Upright, upright
+from ictamp_drake.world.poses import to_transform
+
+
+class Touch(NamedTuple):
+    """Two bodies whose surfaces are near each other.
+
+    Attributes:
+        a, b: names of the bodies.
+        distance: between the surfaces, negative when they overlap [m].
+        normal: unit vector from b to a in W, shape (3,).
+    """
+
+    a: str
+    b: str
+    distance: float
+    normal: FloatArray
+
+
+class World:
+    """A scene for queries. Holds one Drake context, so it is not for use by several threads."""
+
+    def __init__(self, spec: SceneSpec) -> None:
+        self.spec = spec
+        self.diagram, self.bodies = build_kinematic(spec)
+        self.plant = self.diagram.plant()
+        self.context = self.diagram.CreateDefaultContext()
+        self._plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
+        self._query_port = self.diagram.scene_graph().get_query_output_port()
+        self._query_context = self.diagram.scene_graph().GetMyContextFromRoot(self.context)
+        self._names = self._name_geometries()
+        self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
+
+    def _name_geometries(self) -> dict[object, str]:
+        named = {**self.bodies.boxes, **self.bodies.supports}
+        named |= zip(("left_finger", "right_finger"), self.bodies.fingers, strict=True)
+        return {
+            geometry: name
+            for name, body in named.items()
+            for geometry in self.plant.GetCollisionGeometriesForBody(body)
+        }
+
+    def initial_configuration(self) -> Configuration:
+        """The arm at home with an open hand, the boxes where the specification puts them."""
+        q = np.append(HOME, [GRIPPER_MAX_WIDTH / 2] * 2)
+        return Configuration(q, {name: box.X_WO for name, box in self.spec.boxes.items()})
+
+    def set_configuration(self, c: Configuration) -> None:
+        """Make the context show c."""
+        self.plant.SetPositions(self._plant_context, self.bodies.arm, c.q)
+        for name, body in self.bodies.boxes.items():
+            self.plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
+
+    def get_configuration(self, held: str | None) -> Configuration:
+        """What the context shows; a context does not know what is held."""
+        context, plant = self._plant_context, self.plant
+        poses = {name: plant.GetPositions(context, body.model_instance()) for name, body in self.bodies.boxes.items()}
+        return Configuration(plant.GetPositions(context, self.bodies.arm), poses, held)
+
+    def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
+        """All pairs of boxes, supports and fingers whose surfaces are at most `tolerance` [m] apart in c."""
+        self.set_configuration(c)
+        query = self._query_port.Eval(self._query_context)
+        return [
+            Touch(self._names[pair.id_A], self._names[pair.id_B], pair.distance, pair.nhat_BA_W)
+            for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance)
+            if pair.id_A in self._names and pair.id_B in self._names
+        ]
+
+    def upright(self, c: Configuration, box: str) -> Upright:
+        """The box as it lies in c."""
+        return upright(c.poses[box], self.sizes[box])
+
+    def X_WT(self, c: Configuration, receptacle: str) -> RigidTransform:
+        """Frame in the centre of the top face of a support or box in c."""
+        if receptacle in self.spec.supports:
+            return to_transform(self.spec.supports[receptacle].X_WT)
+        return self.upright(c, receptacle).X_WT
+
+    def top_size(self, c: Configuration, receptacle: str) -> FloatArray:
+        """Sides of the top face along T's x and y, shape (2,) [m]."""
+        if receptacle in self.spec.supports:
+            return np.array(self.spec.supports[receptacle].size[:2])
+        return self.upright(c, receptacle).size[:2]
