@@ -1,0 +1,24 @@
+"""Exit with one sentence unless this Python can make the project's virtual environment. Runs on any Python."""
+
+import importlib
+import sys
+
+MINIMUM = (3, 11)
+
+
+def complaint():
+    """What is missing, or None."""
+    if sys.version_info < MINIMUM:
+        return "ictamp_drake needs Python %d.%d or newer, and %s is %d.%d; name another: make PYTHON=python3.12 ..." % (
+            MINIMUM + (sys.executable,) + tuple(sys.version_info[:2])
+        )
+    try:
+        importlib.import_module("venv")
+        importlib.import_module("ensurepip")
+    except ImportError:
+        return "%s cannot make virtual environments; on Debian, Ubuntu: apt-get install python3-venv" % sys.executable
+    return None
+
+
+if __name__ == "__main__":
+    sys.exit(complaint())
