@@ -1,0 +1,47 @@
+; Boxes that a hand picks from and places on supports and other boxes.
+;
+; upright and tipped are changed by no action: a box that lies on its side is carried lying and laid down lying.
+; clear is about boxes alone, nothing rests on the box and it is not held; on a support there is room for more.
+
+(define (domain boxes)
+  (:requirements :strips :typing :equality :disjunctive-preconditions :universal-preconditions :conditional-effects)
+
+  (:types box support - thing)
+
+  (:predicates
+    (on ?a - box ?b - thing)       ; a stands upright on b
+    (lying ?a - box ?b - thing)    ; a rests on b, tipped over onto its side
+    (in-hand ?a - box)
+    (clear ?a - box)
+    (hand-empty)
+    (upright ?a - box)
+    (tipped ?a - box))
+
+  (:action pick
+    :parameters (?a - box ?b - thing)
+    :precondition (and
+      (hand-empty)
+      (clear ?a)
+      (not (= ?a ?b))
+      (or (and (upright ?a) (on ?a ?b)) (and (tipped ?a) (lying ?a ?b))))
+    :effect (and
+      (in-hand ?a)
+      (not (hand-empty))
+      (not (clear ?a))
+      (when (upright ?a) (not (on ?a ?b)))
+      (when (tipped ?a) (not (lying ?a ?b)))
+      (forall (?x - box) (when (= ?x ?b) (clear ?x)))))
+
+  (:action place
+    :parameters (?a - box ?b - thing)
+    :precondition (and
+      (in-hand ?a)
+      (not (= ?a ?b))
+      (forall (?x - box) (imply (= ?x ?b) (clear ?x))))
+    :effect (and
+      (hand-empty)
+      (clear ?a)
+      (not (in-hand ?a))
+      (when (upright ?a) (on ?a ?b))
+      (when (tipped ?a) (lying ?a ?b))
+      (forall (?x - box) (when (= ?x ?b) (not (clear ?x)))))))

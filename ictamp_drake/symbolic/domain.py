@@ -1,0 +1,80 @@
+"""The ground domain of one scene: which actions apply in a state s and where each of them leads."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from ictamp_drake.core.types import Action, Atom, State
+from ictamp_drake.symbolic.atoms import TIPPED, UPRIGHT
+
+
+@dataclass(frozen=True)
+class GroundAction:
+    """An action a in STRIPS: applicable where all of `preconditions` hold, ends where they are replaced.
+
+    Attributes:
+        action: name and objects.
+        preconditions, add, delete: ground atoms; upright and tipped are never among them.
+    """
+
+    action: Action
+    preconditions: frozenset[Atom]
+    add: frozenset[Atom]
+    delete: frozenset[Atom]
+
+    def applied(self, state: State) -> State:
+        """The state after the action."""
+        return (state - self.delete) | self.add
+
+
+@dataclass(frozen=True)
+class Domain:
+    """All ground actions of a scene, sorted; `Domain.create` reads them from `domain.pddl`."""
+
+    boxes: tuple[str, ...]
+    supports: tuple[str, ...]
+    actions: tuple[GroundAction, ...]
+
+    @classmethod
+    def create(cls, boxes: Sequence[str], supports: Sequence[str], initial: State) -> "Domain":
+        """Ground the domain for the objects; `initial` settles who is upright and who is tipped, for good.
+
+        Raises:
+            IctampError: the name of an object is taken.
+            ValueError: a box is neither upright nor tipped in the initial state, or both.
+        """
+        from ictamp_drake.symbolic import pddl  # noqa: PLC0415  (takes 0.7 s, more than a whole search)
+
+        for box in boxes:
+            if (Atom(UPRIGHT, (box,)) in initial) == (Atom(TIPPED, (box,)) in initial):
+                raise ValueError(f"The initial state must hold either upright({box}) or tipped({box}).")
+        problem = pddl.planning_problem(boxes, supports, initial, frozenset())
+        actions = sorted((GroundAction(action, *effects) for action, effects in pddl.ground(problem)), key=_name)
+        return cls(tuple(boxes), tuple(supports), tuple(actions))
+
+    def applicable(self, state: State) -> tuple[Action, ...]:
+        """The actions whose preconditions hold, sorted."""
+        return tuple(ground.action for ground in self.actions if ground.preconditions <= state)
+
+    def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
+        """The applicable actions, sorted, each with the state that it promises."""
+        return tuple((g.action, g.applied(state)) for g in self.actions if g.preconditions <= state)
+
+    def successor(self, state: State, action: Action) -> State:
+        """The state that the action promises.
+
+        Raises:
+            ValueError: the action is not applicable in the state, or not of this domain.
+        """
+        ground = self._by_name.get(action)
+        if ground is None or not ground.preconditions <= state:
+            raise ValueError(f"{action} is not applicable in the given state.")
+        return ground.applied(state)
+
+    @cached_property
+    def _by_name(self) -> dict[Action, GroundAction]:
+        return {ground.action: ground for ground in self.actions}
+
+
+def _name(ground: GroundAction) -> Action:
+    return ground.action

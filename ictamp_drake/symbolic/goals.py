@@ -1,0 +1,113 @@
+"""Goals of a user: PDDL text to atoms, and everything that can be wrong with a goal before anything is planned."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import pyparsing
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Atom, State
+from ictamp_drake.symbolic.atoms import ON, tipped_boxes
+
+_FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...)"
+_WORD = pyparsing.Word(pyparsing.printables, exclude_chars="()")
+_FORMULA = pyparsing.nested_expr("(", ")", content=_WORD, ignore_expr=None)
+
+
+def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: str = "goal") -> frozenset[Atom]:
+    """The atoms of a conjunction of (on BOX OBJECT).
+
+    Raises:
+        IctampError: syntax, an unknown predicate or object, a wrong number of objects, or atoms that cannot hold
+            together; the sentence begins with `where`, e.g. "scene.yaml: goal".
+    """
+    goal = frozenset(_atom(literal, boxes, supports, where) for literal in _literals(" ".join(text.split()), where))
+    for contradiction in _contradictions(goal, boxes):
+        raise IctampError(f"{where}: {contradiction}.")
+    return goal
+
+
+def check_goal(goal: frozenset[Atom], initial: State, where: str = "goal") -> None:
+    """Refuse a goal that needs no plan, or that no plan can reach, from the initial state.
+
+    Raises:
+        IctampError: the goal holds already, or wants a box upright that lies on its side.
+    """
+    if goal <= initial:
+        raise IctampError(f"{where}: {_text(goal)} already holds in the initial state, there is nothing to plan.")
+    for atom in sorted(goal):
+        if atom.args[0] in tipped_boxes(initial):
+            why = f"{atom.args[0]} is tipped over in the initial state and no skill stands a box up"
+            raise IctampError(f"{where}: {_pddl(atom)} cannot be reached, {why}.")
+
+
+def _literals(text: str, where: str) -> list[object]:
+    try:
+        (formula,) = _FORMULA.parse_string(text, parse_all=True).as_list()
+    except pyparsing.ParseException as error:
+        problem = f"{error.msg} at character {error.col}"
+        raise IctampError(f'{where}: cannot read "{text}", {problem}; {_FORM}.') from error
+    literals = formula[1:] if formula[:1] == ["and"] else [formula]
+    if not literals:
+        raise IctampError(f"{where}: (and) is empty; {_FORM}.")
+    return literals
+
+
+def _atom(literal: object, boxes: Sequence[str], supports: Sequence[str], where: str) -> Atom:
+    written = _written(literal)
+    if not isinstance(literal, list) or not all(isinstance(word, str) for word in literal):
+        raise IctampError(f"{where}: {written} is not an atom; {_FORM}.")
+    predicate, *names = literal or [""]
+    if predicate != ON:
+        raise IctampError(f'{where}: predicate "{predicate}" in {written} is not allowed, only "on"; {_FORM}.')
+    if len(names) != 2:
+        raise IctampError(f'{where}: "on" takes 2 objects, not {len(names)} as in {written}; {_FORM}.')
+    for name in names:
+        if name not in (*boxes, *supports):
+            known = f"the boxes are {', '.join(boxes)}, the supports {', '.join(supports)}"
+            raise IctampError(f'{where}: object "{name}" in {written} is not in the scene; {known}.')
+    if names[0] not in boxes:
+        what = f"{names[0]} is a support and cannot be moved; the boxes are {', '.join(boxes)}"
+        raise IctampError(f"{where}: {written} cannot be reached, {what}.")
+    return Atom(ON, (names[0], names[1]))
+
+
+def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str]:
+    for atom in sorted(goal):
+        if atom.args[0] == atom.args[1]:
+            yield f"{_pddl(atom)} puts {atom.args[0]} on itself"
+    for box, atoms in _shared(goal, 0):
+        yield f"{_text(atoms)} puts {box} in more than one place"
+    for below, atoms in _shared(goal, 1):
+        if below in boxes:
+            yield f"{_text(atoms)} puts more than one box on the box {below}"
+    for circle in _circles({atom.args[0]: atom.args[1] for atom in goal}):
+        yield f"the boxes {', '.join(circle)} are to stand on each other in a circle"
+
+
+def _shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:
+    """Each object that several atoms have at the position, with these atoms."""
+    by_object: dict[str, list[Atom]] = {}
+    for atom in sorted(goal):
+        by_object.setdefault(atom.args[position], []).append(atom)
+    return ((name, atoms) for name, atoms in by_object.items() if len(atoms) > 1)
+
+
+def _circles(below: dict[str, str]) -> Iterator[list[str]]:
+    for box in sorted(below):
+        tower = [box]
+        while below.get(tower[-1], box) not in tower:
+            tower.append(below[tower[-1]])
+        if below.get(tower[-1]) == box:
+            yield tower
+
+
+def _pddl(atom: Atom) -> str:
+    return f"({' '.join((atom.predicate, *atom.args))})"
+
+
+def _text(atoms: Iterable[Atom]) -> str:
+    return " ".join(_pddl(atom) for atom in sorted(atoms))
+
+
+def _written(literal: object) -> str:
+    return f"({' '.join(map(_written, literal))})" if isinstance(literal, list) else str(literal)

@@ -1,0 +1,130 @@
+"""How many actions a state is still away from the goal: the guides of the search for plans."""
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Protocol
+
+from ictamp_drake.core.types import Atom, State
+from ictamp_drake.symbolic.atoms import held_box, supporters
+from ictamp_drake.symbolic.domain import Domain
+
+
+class Guide(Protocol):
+    """What `skeletons.PlanStream` orders its paths by."""
+
+    horizon: float
+    """Plans of up to this many actions are ordered rightly; raised by `grow`."""
+
+    def remaining(self, state: State) -> float:
+        """Actions from the state to the goal, as far as known; infinite when no way is known."""
+
+    def grow(self) -> None:
+        """Expand one state to learn more; called only while the horizon is finite."""
+
+
+class BreadthFirstDistance:
+    """Exact distances from a breadth-first search that keeps each state once and grows on demand.
+
+    Every state on a plan of n actions is reached by n - 1 actions before its last, so once all layers before the n-th
+    are expanded the distances on all plans of up to n actions are exact. That is the horizon.
+    """
+
+    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
+        self.horizon: float = 0
+        self._domain = domain
+        self._goal = goal
+        self._depth = {initial: 0}
+        self._remaining: dict[State, float] = {}
+        self._predecessors: dict[State, list[State]] = {initial: []}
+        self._frontier: deque[State] = deque()
+        self._reach(initial)
+
+    def remaining(self, state: State) -> float:
+        return self._remaining.get(state, math.inf)
+
+    def grow(self) -> None:
+        state = self._frontier.popleft()
+        for _, successor in self._domain.successors(state):
+            self._predecessors.setdefault(successor, []).append(state)
+            if successor not in self._depth:
+                self._depth[successor] = self._depth[state] + 1
+                self._reach(successor)
+            self._shorten(state, self.remaining(successor) + 1)
+        self.horizon = self._depth[self._frontier[0]] if self._frontier else math.inf
+
+    def _reach(self, state: State) -> None:
+        if self._goal <= state:
+            self._remaining[state] = 0
+        else:
+            self._frontier.append(state)
+
+    def _shorten(self, state: State, distance: float) -> None:
+        """Lower the distance of the state, and with it those of the states before it."""
+        pending = deque([(state, distance)])
+        while pending:
+            state, distance = pending.popleft()
+            if distance < self.remaining(state):
+                self._remaining[state] = distance
+                pending.extend((before, distance + 1) for before in self._predecessors[state])
+
+
+class MoveCount:
+    """A lower bound from the towers alone, times a weight: two actions for each move that cannot be avoided.
+
+    A box must move when it is not where the goal wants it, when it is where the goal wants another box, or when it
+    rests on a box that must move. It must move twice when a box that must move is beneath it now and in the goal: it
+    has to leave before that box does, and can take its place only after. The bound never falls by more than one an
+    action, so with weight 1 plans come in order of their length; more weight means fewer nodes and longer plans.
+    """
+
+    horizon = math.inf
+
+    def __init__(self, domain: Domain, goal: frozenset[Atom], weight: float) -> None:
+        self._weight = weight
+        self._known: dict[State, float] = {}
+        self._target = {atom.args[0]: atom.args[1] for atom in goal}
+        self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
+        self._beneath_in_goal = {box: frozenset(_beneath(box, self._target)) for box in self._target}
+
+    def remaining(self, state: State) -> float:
+        if state not in self._known:
+            self._known[state] = self._weight * self._unavoidable_actions(state)
+        return self._known[state]
+
+    def grow(self) -> None:
+        raise AssertionError("the horizon is infinite from the start")
+
+    def _unavoidable_actions(self, state: State) -> int:
+        supporter = supporters(state)
+        to_move = {box for box in supporter if self._must_move(box, supporter)}
+        actions = 2 * len(to_move)
+        actions += sum(2 for box in to_move if self._must_move_twice(box, supporter, to_move))
+        held = held_box(state)
+        if held is not None:
+            actions += 1 if self._can_be_placed(held, supporter, to_move) else 3
+        return actions
+
+    def _must_move(self, box: str, supporter: dict[str, str]) -> bool:
+        tower = (box, *_beneath(box, supporter))
+        return any(self._misplaced(upper, lower) for upper, lower in pairwise(tower))
+
+    def _misplaced(self, box: str, below: str) -> bool:
+        return self._target.get(box, below) != below or self._occupant.get(below, box) != box
+
+    def _must_move_twice(self, box: str, supporter: dict[str, str], to_move: set[str]) -> bool:
+        in_goal = self._beneath_in_goal.get(box, frozenset())
+        return any(below in to_move and below in in_goal for below in _beneath(box, supporter))
+
+    def _can_be_placed(self, held: str, supporter: dict[str, str], to_move: set[str]) -> bool:
+        in_goal = self._beneath_in_goal.get(held, frozenset())
+        occupied = self._target.get(held) in self._occupant and self._target[held] in supporter.values()
+        return to_move.isdisjoint(in_goal) and not occupied
+
+
+def _beneath(box: str, supporter: dict[str, str]) -> Iterator[str]:
+    """What is beneath the box, down to the support."""
+    while box in supporter:
+        box = supporter[box]
+        yield box

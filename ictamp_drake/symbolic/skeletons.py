@@ -1,0 +1,137 @@
+"""Streams of high-level plans p = (s_0, a_1, s_1, ..., s_n), resumable after any number of expansions.
+
+A stream holds every plan that repeats no state within itself and ends where it first meets the goal. Two plans may
+share any of their states. The order depends on nothing but the problem.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from heapq import heappop, heappush, heapreplace
+from typing import NamedTuple, Optional
+
+from ictamp_drake.core.protocols import PlanGenerator
+from ictamp_drake.core.types import Action, Atom, Skeleton, State
+from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount
+
+
+@dataclass(frozen=True)
+class BreadthFirst:
+    """Plans in order of length, the first after about as many nodes as breadth-first search takes (the default)."""
+
+    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
+        """A stream of plans from `initial` to states that hold `goal`."""
+        return PlanStream(domain, initial, goal, BreadthFirstDistance(domain, initial, goal))
+
+
+@dataclass(frozen=True)
+class BestFirst:
+    """Plans for many objects, near the shortest first.
+
+    Attributes:
+        weight: factor on the least number of actions that a state still needs. With 1 plans come in order of length;
+            a greater one means fewer nodes until the first plan and a looser order.
+    """
+
+    weight: float = 2.0
+
+    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
+        """A stream of plans from `initial` to states that hold `goal`."""
+        return PlanStream(domain, initial, goal, MoveCount(domain, goal, self.weight))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Path:
+    """A beginning of a plan, linked to the one that is an action shorter."""
+
+    state: State
+    length: int = 0
+    action: Action | None = None
+    parent: Optional["_Path"] = None
+
+    def __iter__(self) -> Iterator["_Path"]:
+        path: _Path | None = self
+        while path is not None:
+            yield path
+            path = path.parent
+
+
+class _Entry(NamedTuple):
+    """A path in the queue: least bound first, among equals the longest, among those the first generated."""
+
+    bound: float
+    minus_length: int
+    order: int
+    path: _Path
+
+
+class PlanStream:
+    """Best-first search over paths instead of states: a path waits under its length plus what the guide says remains.
+
+    A node is a path taken from the queue or a state that the guide expands; a plan costs at least one. Paths that a
+    guide with a finite horizon cannot order yet wait just beyond its horizon.
+    """
+
+    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
+        self._domain = domain
+        self._goal = goal
+        self._guide = guide
+        self._queue = [_Entry(0, 0, 0, _Path(initial))]
+        self._generated = 1
+        self._expanded = 0
+
+    @property
+    def exhausted(self) -> bool:
+        """True when no further plan can come."""
+        return not self._queue
+
+    @property
+    def expanded(self) -> int:
+        """Nodes expanded since the start."""
+        return self._expanded
+
+    def next_plan(self, max_expansions: int) -> Skeleton | None:
+        """Expand at most `max_expansions` nodes and return the first new plan met, else None."""
+        limit = self._expanded + max_expansions
+        while self._settle_first() and self._expanded < limit:
+            self._expanded += 1
+            if self._queue[0].bound > self._guide.horizon:
+                self._guide.grow()
+                continue
+            path = heappop(self._queue).path
+            if self._goal <= path.state:
+                return _skeleton(path)
+            self._expand(path)
+        return None
+
+    def _settle_first(self) -> bool:
+        """Bring the first path's bound up to date until it stays first; False when no path is left."""
+        while self._queue:
+            entry = self._queue[0]
+            bound = self._bound(entry.path)
+            if bound == math.inf:
+                heappop(self._queue)
+            elif bound > entry.bound:
+                heapreplace(self._queue, entry._replace(bound=bound))
+            else:
+                return True
+        return False
+
+    def _bound(self, path: _Path) -> float:
+        return min(path.length + self._guide.remaining(path.state), self._guide.horizon + 1)
+
+    def _expand(self, path: _Path) -> None:
+        visited = {each.state for each in path}
+        for action, state in self._domain.successors(path.state):
+            if state not in visited:
+                longer = _Path(state, path.length + 1, action, path)
+                heappush(self._queue, _Entry(self._bound(longer), -longer.length, self._generated, longer))
+                self._generated += 1
+
+
+def _skeleton(path: _Path) -> Skeleton:
+    paths = list(path)[::-1]
+    return Skeleton(
+        tuple(each.state for each in paths), tuple(each.action for each in paths if each.action is not None)
+    )
