@@ -1,6 +1,5 @@
 """Checks of single values; each raises one sentence that names the field, its value and the valid choices."""
 
-import math
 import re
 from collections.abc import Iterable, Sequence
 
@@ -11,7 +10,7 @@ _PDDL_WORDS = frozenset({"and", "or", "not", "imply", "when", "forall", "exists"
 
 
 def check_range(field: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Raise IctampError unless `low` <= `value` <= `high`; the values that are not numbers fail too."""
+    """Raise IctampError unless `low` <= `value` <= `high`; nan fails too."""
     if not low <= value <= high:
         raise IctampError(f"{field} is {value:g}{unit}, but must be between {low:g} and {high:g}{unit}")
 
@@ -20,9 +19,8 @@ def check_vector(field: str, values: Sequence[float], low: float, high: float, u
     """Raise IctampError unless `values` are three numbers, each between `low` and `high`."""
     if len(values) != 3:
         raise IctampError(f"{field} is {list(values)}, but must be three numbers")
-    for value in values:
-        if not (math.isfinite(value) and low <= value <= high):
-            raise IctampError(f"{field} is {list(values)}, but each number must be between {low:g} and {high:g}{unit}")
+    if not all(low <= value <= high for value in values):
+        raise IctampError(f"{field} is {list(values)}, but each number must be between {low:g} and {high:g}{unit}")
 
 
 def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
@@ -33,12 +31,12 @@ def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
 
 def check_names(names: Iterable[str]) -> None:
     """Raise IctampError unless the names can stand side by side in a PDDL problem, where case does not count."""
-    seen: dict[str, str] = {}
+    seen = set()
     for name in names:
         if not _NAME.fullmatch(name):
             raise IctampError(f"the name '{name}' is not valid; use letters, digits, _ and -, a letter first")
         if name.lower() in _PDDL_WORDS:
             raise IctampError(f"the name '{name}' is a word of PDDL; choose another, e.g. '{name}_1'")
         if name.lower() in seen:
-            raise IctampError(f"the name '{name}' is used twice ('{seen[name.lower()]}'); every name must be its own")
-        seen[name.lower()] = name
+            raise IctampError(f"the name '{name}' is used twice (case does not count); every name must be its own")
+        seen.add(name.lower())

@@ -5,7 +5,7 @@ field at a time here, and the dataclass, its required fields and its defaults ar
 """
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterable, Mapping
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import yaml
@@ -16,6 +16,18 @@ from ictamp_drake.core.errors import IctampError
 T = TypeVar("T")
 
 
+class _Loader(yaml.SafeLoader):
+    """PyYAML's safe loader, which by itself silently keeps the last of repeated keys."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise IctampError(f"line {key.start_mark.line + 1}: '{key.value}' is used twice in one mapping")
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
 def parse(text: str) -> object:
     """The document as plain mappings, lists and scalars.
 
@@ -23,11 +35,10 @@ def parse(text: str) -> object:
         IctampError: on a syntax error or on a key used twice, naming the line.
     """
     try:
-        for key in _repeated_keys(yaml.compose(text, Loader=yaml.SafeLoader)):
-            raise IctampError(
-                f"line {key.start_mark.line + 1}: '{key.value}' is used twice; every name must be its own"
-            )
-        return yaml.safe_load(text)
+        return yaml.load(text, Loader=_Loader)
+    except yaml.MarkedYAMLError as error:
+        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
+        raise IctampError(f"{line}not valid YAML: {error.problem}") from error
     except yaml.YAMLError as error:
         raise IctampError(f"not valid YAML: {' '.join(str(error).split())}") from error
 
@@ -82,7 +93,7 @@ def _value(hint: Any, raw: object, where: str) -> object:
     try:
         data = yaml_dump({"value": raw})  # type: ignore[no-untyped-call]
         value = yaml_load_typed(schema=holder, data=data).value  # type: ignore[no-untyped-call]
-    except (RuntimeError, ValueError, TypeError) as error:
+    except (RuntimeError, ValueError, TypeError, yaml.YAMLError) as error:
         raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}") from error
     return tuple(value) if is_tuple else value
 
@@ -92,24 +103,9 @@ def _described(hint: Any) -> str:
     return words.get(hint) or ("a list of texts" if get_args(hint)[0] is str else "a list of three numbers")
 
 
-def _required(fields: Any) -> list[str]:
+def _required(fields: Iterable[dataclasses.Field[Any]]) -> list[str]:
     return [field.name for field in fields if field.default is field.default_factory is dataclasses.MISSING]
 
 
 def _join(where: str, rest: str) -> str:
     return f"{where}.{rest}" if where else rest
-
-
-def _repeated_keys(node: yaml.Node | None) -> Iterator[yaml.ScalarNode]:
-    """The keys that occur a second time in one mapping; PyYAML itself silently keeps the last."""
-    if isinstance(node, yaml.SequenceNode):
-        for item in node.value:
-            yield from _repeated_keys(item)
-    if isinstance(node, yaml.MappingNode):
-        seen = set()
-        for key, item in node.value:
-            if isinstance(key, yaml.ScalarNode):
-                if key.value in seen:
-                    yield key
-                seen.add(key.value)
-            yield from _repeated_keys(item)

@@ -129,24 +129,24 @@ class BoxSpec:
         return _pose(self.rotation, self.position)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SceneSpec:
     """Everything that a planning problem consists of.
 
     Attributes:
+        arm: where the arm is mounted.
         supports: by name, at least one.
         boxes: by name, at least one.
         goal: PDDL formula, e.g. (and (on cyan_box rack) (on yellow_box cyan_box)).
-        arm: where the arm is mounted.
         seed: of everything random in the problem.
         interference: kinds of interference of a packing problem; empty in other scenes.
         description: one sentence for people.
     """
 
+    arm: ArmSpec = ArmSpec()
     supports: dict[str, SupportSpec]
     boxes: dict[str, BoxSpec]
     goal: str
-    arm: ArmSpec = ArmSpec()
     seed: int = 0
     interference: tuple[str, ...] = ()
     description: str = ""
@@ -186,8 +186,11 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
         OSError: when the folder is not there or cannot be written.
     """
     temporary = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
-    temporary.write_text(to_yaml(spec), encoding="utf-8")
-    temporary.replace(path)
+    try:
+        temporary.write_text(to_yaml(spec), encoding="utf-8")
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def to_yaml(spec: SceneSpec) -> str:

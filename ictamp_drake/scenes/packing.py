@@ -1,0 +1,229 @@
+"""The constrained packing problems: three levels, their committed files, and the generator that made them.
+
+A tower stands on the table and must stand in the same order on the rack; the boxes outside the goal interfere (paper,
+Experiments). Problems whose number is a multiple of three are plain: the other boxes are bystanders that stand on the
+table, and there are none on hard. In all others they are stacked (on the tower or on each other), behind the arm's
+base, or tipped (lying on a long side); the mixes of these kinds take turns.
+
+`python -m ictamp_drake.scenes.packing --level easy --seed 1 --count 10 --out FOLDER` makes more problems.
+"""
+
+import itertools
+import re
+import sys
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import tyro
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.scenes.checks import check_choice
+from ictamp_drake.scenes.layout import Spot, Stack, Zone, build_stack, outline_radius, place_stacks
+from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec, SupportSpec, Vector, save_scene
+
+
+@dataclass(frozen=True)
+class Level:
+    """A level of difficulty.
+
+    Attributes:
+        tower: the boxes to pack, from the bottom up.
+        bystanders: the boxes outside the goal in every problem.
+        extras: further ones, of which a problem that is not plain has at least one.
+        count: how many problem files are committed.
+    """
+
+    tower: tuple[str, ...]
+    bystanders: tuple[str, ...]
+    extras: tuple[str, ...]
+    count: int
+
+
+LEVELS = {
+    "easy": Level(("cyan_box", "yellow_box"), ("red_box", "blue_box"), (), 55),
+    "medium": Level(("cyan_box", "yellow_box", "red_box"), ("blue_box",), (), 37),
+    "hard": Level(("cyan_box", "yellow_box", "red_box", "blue_box"), (), ("green_box", "purple_box"), 17),
+}
+
+SIZES: dict[str, Vector] = {
+    "yellow_box": (0.057, 0.057, 0.066),
+    "red_box": (0.05, 0.05, 0.118),
+    "cyan_box": (0.058, 0.058, 0.07),
+    "blue_box": (0.05, 0.05, 0.106),
+    "green_box": (0.045, 0.06, 0.08),
+    "purple_box": (0.04, 0.07, 0.1),
+}
+
+_COLOURS: dict[str, Vector] = {
+    "yellow_box": (0.95, 0.8, 0.15),
+    "red_box": (0.8, 0.12, 0.1),
+    "cyan_box": (0.15, 0.75, 0.8),
+    "blue_box": (0.15, 0.3, 0.8),
+    "green_box": (0.2, 0.6, 0.2),
+    "purple_box": (0.5, 0.2, 0.6),
+}
+
+_SUPPORTS = {
+    "table": SupportSpec(kind="table", position=(0.3, 0.0, 0.0)),
+    "rack": SupportSpec(kind="rack", position=(0.44, -0.33, 0.16), yaw=90.0),
+}
+
+MAX_STACK = 5
+"""Boxes on each other at most: higher towers sway, and the arm cannot lift boxes off them everywhere."""
+
+Kinds = frozenset[str]
+Roles = dict[str, Kinds]
+"""The kinds of interference of each box outside the goal; none for a plain bystander."""
+
+_BOX_KINDS = tuple(frozenset(kinds) for kinds in ((), ("stacked",), ("behind",), ("tipped",), ("behind", "tipped")))
+_MIXES = tuple(frozenset(mix) for n in (1, 2, 3) for mix in itertools.combinations(INTERFERENCES, n))
+
+
+def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream.SCENES) -> SceneSpec:
+    """The problem of that number; the same arguments always give the same one.
+
+    The committed files have seed 0 in the stream SCENES. Scenes to learn from take another stream, e.g. DATA, and so
+    never meet them, whatever their seeds.
+
+    Raises:
+        IctampError: when there is no such level.
+    """
+    check_choice("level", level, LEVELS)
+    rng = generator(stream, seed, list(LEVELS).index(level), number)
+    spec = LEVELS[level]
+    roles = _draw_roles(spec, number, rng)
+    stacks = _build_stacks(spec.tower, roles, rng)
+    zones = [Zone.TOWER, *(_zone(roles[stack[0].name]) for stack in stacks[1:])]
+    interfering = any(roles.values())
+    nearby = [zone is Zone.FRONT and interfering and bool(rng.integers(2)) for zone in zones]
+    spots = place_stacks([outline_radius(stack) for stack in stacks], zones, nearby, rng)
+    boxes = [box for stack, spot in zip(stacks, spots, strict=True) for box in _boxes(stack, spot)]
+    return SceneSpec(
+        supports=_SUPPORTS,
+        boxes=dict(boxes),
+        goal=_goal(spec.tower),
+        seed=number,
+        interference=tuple(kind for kind in INTERFERENCES if any(kind in kinds for kinds in roles.values())),
+        description=_describe(level, roles),
+    )
+
+
+def problem_files(level: str, selection: str = ":") -> list[Path]:
+    """The committed problem files of a level, e.g. those of the selection 0:5.
+
+    Raises:
+        IctampError: when there is no such level or the selection is not understood or empty.
+    """
+    check_choice("level", level, LEVELS)
+    folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
+    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, LEVELS[level].count)]
+
+
+def parse_selection(selection: str, count: int) -> range:
+    """Problem numbers below `count` from a number (3) or a slice (0:5, 10:, :).
+
+    Raises:
+        IctampError: when it is neither or selects nothing.
+    """
+    match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
+    if match is None or selection.strip() == "":
+        raise IctampError(f"problems is '{selection}', but must be a number or a slice, e.g. 3, 0:5, 10: or :")
+    start, colon, stop = match.groups()
+    chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)
+    if not chosen or chosen[-1] >= count:
+        raise IctampError(f"problems is '{selection}', but must select from the numbers 0 to {count - 1}")
+    return chosen
+
+
+def _draw_roles(level: Level, number: int, rng: np.random.Generator) -> Roles:
+    """Which boxes are outside the goal, and which kinds of interference each of them has."""
+    if number % 3 == 0:
+        return dict.fromkeys(level.bystanders, frozenset())
+    least = 1 if level.extras else 0
+    casts = [level.bystanders + level.extras[:n] for n in range(least, len(level.extras) + 1)]
+    mixes = [mix for mix in _MIXES if _assignments(mix, level, len(casts[-1]))]
+    mix = mixes[(number - number // 3 - 1) % len(mixes)]
+    fitting = [cast for cast in casts if _assignments(mix, level, len(cast))]
+    cast = fitting[rng.integers(len(fitting))]
+    assignments = _assignments(mix, level, len(cast))
+    return dict(zip(cast, assignments[rng.integers(len(assignments))], strict=True))
+
+
+def _assignments(mix: Kinds, level: Level, count: int) -> list[tuple[Kinds, ...]]:
+    """All ways in which `count` boxes together show exactly the kinds of the mix, on no tower that is too high."""
+    every = itertools.product(_BOX_KINDS, repeat=count)
+    room = MAX_STACK - len(level.tower)
+    return [
+        kinds
+        for kinds in every
+        if frozenset().union(*kinds) == mix and sum("stacked" in kind for kind in kinds) <= room
+    ]
+
+
+def _build_stacks(tower: tuple[str, ...], roles: Roles, rng: np.random.Generator) -> list[Stack]:
+    """The tower first, with what is stacked on it, then all other stacks."""
+    columns = [list(tower), *([name] for name, kinds in roles.items() if "stacked" not in kinds)]
+    carriers = [column for column in columns if not roles.get(column[0])]
+    for name, kinds in roles.items():
+        if "stacked" in kinds:
+            carriers[rng.integers(len(carriers))].append(name)
+    return [build_stack(column, SIZES, "tipped" in roles.get(column[0], ()), rng) for column in columns]
+
+
+def _zone(kinds: Kinds) -> Zone:
+    return Zone.BEHIND if "behind" in kinds else Zone.FRONT
+
+
+def _boxes(stack: Stack, spot: Spot) -> list[tuple[str, BoxSpec]]:
+    return [
+        (
+            piece.name,
+            BoxSpec(
+                size=SIZES[piece.name],
+                position=(round(spot[0] + piece.offset[0], 4), round(spot[1] + piece.offset[1], 4), piece.z),
+                rotation=piece.rotation,
+                colour=_COLOURS[piece.name],
+            ),
+        )
+        for piece in stack
+    ]
+
+
+def _goal(tower: tuple[str, ...]) -> str:
+    atoms = [f"(on {above} {below})" for below, above in itertools.pairwise(("rack", *tower))]
+    return f"(and {' '.join(atoms)})"
+
+
+def _describe(level: str, roles: Roles) -> str:
+    others = [f"{name} {' and '.join(sorted(kinds)) or 'stands by'}" for name, kinds in roles.items()]
+    return f"{level.capitalize()}: rebuild the tower on the rack; {', '.join(others) or 'no other box'}."
+
+
+def write_problems(level: str, out: Path, count: int = 10, seed: int = 0) -> None:
+    """Write problem files 000.yaml, 001.yaml, … of a level.
+
+    Args:
+        level: easy, medium or hard.
+        out: folder for the files, made if it is not there.
+        count: how many.
+        seed: 0 gives the committed problems, any other new ones.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    for number in range(count):
+        save_scene(make_problem(level, number, seed), out / f"{number:03d}.yaml")
+
+
+def main() -> None:
+    """Command line of `write_problems`; a mistake is printed as one sentence and gives exit code 2."""
+    try:
+        tyro.cli(write_problems)
+    except (IctampError, OSError) as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()
