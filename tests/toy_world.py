@@ -6,15 +6,22 @@ cell with a narrow door lets in only who stands at a small enough offset in the 
 back and enter that cell once more with another k.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from itertools import permutations
+from itertools import combinations, islice
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Skeleton, State
+from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.planning.events import Listener
+from ictamp_drake.planning.planner import Budget, Planner, PlannerConfig
+from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.planning.tree import Tree
 
 Cell = tuple[int, int]
 RIGHT, UP = Action("right", ()), Action("up", ())
@@ -67,8 +74,9 @@ class ToyWorld:
 
     def plans(self) -> Iterator[Skeleton]:
         """Every monotone path from the start to the goal, in lexicographic order."""
-        words = sorted(set(permutations((RIGHT,) * self.size[0] + (UP,) * self.size[1])), key=str)
-        for actions in words[: self.max_plans]:
+        length = sum(self.size)
+        for rights in islice(combinations(range(length), self.size[0]), self.max_plans):
+            actions = tuple(RIGHT if step in rights else UP for step in range(length))
             cells = [(0, 0)]
             for action in actions:
                 cells.append(_after(cells[-1], action))
@@ -102,7 +110,7 @@ class ToyGenerator:
     """The plans of a world one after the other, each for a fixed number of expansions."""
 
     def __init__(self, world: ToyWorld) -> None:
-        self._plans = list(world.plans())
+        self._plans = deque(world.plans())
         self._cost = world.expansions
         self._paid = 0
         self.expanded = 0
@@ -121,7 +129,7 @@ class ToyGenerator:
         if self._paid < self._cost:
             return None
         self._paid = 0
-        return self._plans.pop(0)
+        return self._plans.popleft()
 
 
 @dataclass
@@ -146,3 +154,60 @@ class TickingClock:
     def __call__(self) -> float:
         self.now += self.tick
         return self.now
+
+
+def toy_planner(
+    world: ToyWorld,
+    *,
+    seed: int = 0,
+    steps: int | None = 200,
+    seconds: float = 60.0,
+    rule: ProportionalConfig | None = None,
+    max_expansions: int = 1000,
+    estimator: Estimator[ToyConfiguration] | None = None,
+    verify: Callable[[tuple[Attempt[ToyConfiguration], ...]], bool] = lambda _: True,
+    listeners: Sequence[Listener] = (),
+    stop: Callable[[], bool] = lambda: False,
+    clock: Callable[[], float] | None = None,
+) -> Planner[ToyConfiguration]:
+    """The planner for a world, with time standing still unless a clock is given."""
+    config = PlannerConfig(Budget(seconds, steps), max_expansions, rule or ProportionalConfig())
+    return config.create(
+        c=world.start,
+        abstraction=abstraction,
+        generator=ToyGenerator(world),
+        skills=world,
+        estimator=estimator or ConstantConfig().create(),
+        verify=verify,
+        rng=np.random.default_rng(seed),
+        listeners=listeners,
+        stop=stop,
+        clock=clock or TickingClock(),
+    )
+
+
+def encode(c: ToyConfiguration) -> list[float]:
+    """A configuration in the types of JSON."""
+    return [*c.cell, c.offset]
+
+
+def assert_consistent(tree: Tree[ToyConfiguration]) -> None:
+    """Laws that hold in every tree, whatever the rule."""
+    steps = tree.steps
+    assert sum(sum(node.cnt.values()) for node in tree.nodes) == len(steps)
+    assert len(tree.nodes) == 1 + sum(step.attempt.succeeded for step in steps)
+    for node in tree.nodes:
+        assert abstraction(node.c) == node.s
+        assert node.depth == len(tree.path(node.index))
+        for plan, cnt in node.cnt.items():
+            assert tree.plans[plan].states[0] == node.s
+            assert node.index in tree.holders[plan]
+            assert cnt == sum((step.node, step.plan) == (node.index, plan) for step in steps)
+    assert sum(map(len, tree.holders)) == sum(len(node.cnt) for node in tree.nodes)
+    assert len(set(tree.plans)) == len(tree.plans)
+    for step in steps:
+        if step.child is not None:
+            child = tree.nodes[step.child]
+            assert child.parent == step.node < step.child
+            assert child.attempt is step.attempt
+            assert [tree.plans[plan] for plan in child.cnt] == [tree.plans[step.plan].suffix(1)]

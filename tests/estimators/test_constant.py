@@ -1,0 +1,23 @@
+"""The constant estimator."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Action
+from ictamp_drake.estimators.constant import ConstantConfig
+
+
+@given(st.floats(0, 1), st.integers(0, 5))
+def test_every_option_gets_the_same_probability(P: float, options: int) -> None:
+    estimates = ConstantConfig(P).create().estimate([("c", Action("pick", (str(i),))) for i in range(options)])
+    np.testing.assert_array_equal(estimates, [P] * options)
+    assert estimates.dtype == np.float64
+
+
+@pytest.mark.parametrize("P", [-0.1, 1.1, float("nan")])
+def test_what_is_no_probability_is_refused(P: float) -> None:
+    with pytest.raises(IctampError, match=rf"P of the constant estimator is {P}, but must lie between 0 and 1\."):
+        ConstantConfig(P)
