@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Atom, State
-from ictamp_drake.symbolic.atoms import TIPPED, UPRIGHT
+from ictamp_drake.symbolic.atoms import IN_HAND, LYING, ON, TIPPED, UPRIGHT
 
 
 @dataclass(frozen=True)
@@ -40,14 +41,12 @@ class Domain:
         """Ground the domain for the objects; `initial` settles who is upright and who is tipped, for good.
 
         Raises:
-            IctampError: the name of an object is taken.
-            ValueError: a box is neither upright nor tipped in the initial state, or both.
+            IctampError: the name of an object is taken, or a box of the initial state is not in exactly one place.
         """
         from ictamp_drake.symbolic import pddl  # noqa: PLC0415  (takes 0.7 s, more than a whole search)
 
         for box in boxes:
-            if (Atom(UPRIGHT, (box,)) in initial) == (Atom(TIPPED, (box,)) in initial):
-                raise ValueError(f"The initial state must hold either upright({box}) or tipped({box}).")
+            _check_place(box, initial)
         problem = pddl.planning_problem(boxes, supports, initial, frozenset())
         actions = sorted((GroundAction(action, *effects) for action, effects in pddl.ground(problem)), key=_name)
         return cls(tuple(boxes), tuple(supports), tuple(actions))
@@ -74,6 +73,18 @@ class Domain:
     @cached_property
     def _by_name(self) -> dict[Action, GroundAction]:
         return {ground.action: ground for ground in self.actions}
+
+
+def _check_place(box: str, initial: State) -> None:
+    place, posture = (_about(box, predicates, initial) for predicates in ((ON, LYING, IN_HAND), (UPRIGHT, TIPPED)))
+    if len(place) != 1 or len(posture) != 1:
+        found = ", ".join(map(str, (*place, *posture))) or "nothing"
+        needed = "one of on, lying and in-hand, and one of upright and tipped"
+        raise IctampError(f'The initial state says {found} of the box "{box}", but must say {needed}.')
+
+
+def _about(box: str, predicates: tuple[str, ...], state: State) -> list[Atom]:
+    return sorted(atom for atom in state if atom.predicate in predicates and atom.args[0] == box)
 
 
 def _name(ground: GroundAction) -> Action:

@@ -27,8 +27,8 @@ class Guide(Protocol):
 class BreadthFirstDistance:
     """Exact distances from a breadth-first search that keeps each state once and grows on demand.
 
-    Every state on a plan of n actions is reached by n - 1 actions before its last, so once all layers before the n-th
-    are expanded the distances on all plans of up to n actions are exact. That is the horizon.
+    All states of a plan with n actions, save the last, are less than n actions away from the start. So when the layers
+    0 to n - 1 are expanded, every way to the goal that such a plan can take is known: the horizon is n.
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
@@ -94,7 +94,7 @@ class MoveCount:
         return self._known[state]
 
     def grow(self) -> None:
-        raise AssertionError("the horizon is infinite from the start")
+        raise RuntimeError("nothing can be added to a bound with an infinite horizon")
 
     def _unavoidable_actions(self, state: State) -> int:
         supporter = supporters(state)

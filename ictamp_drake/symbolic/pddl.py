@@ -1,6 +1,7 @@
 """The one door to unified-planning: reads `domain.pddl`, fills in a scene's objects, grounds the actions."""
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from importlib.resources import as_file, files
 from typing import Any
 
@@ -24,8 +25,7 @@ def planning_problem(boxes: Sequence[str], supports: Sequence[str], initial: Sta
     Raises:
         IctampError: two objects have one name, or an object the name of a type, predicate or action.
     """
-    with as_file(files("ictamp_drake.symbolic") / "domain.pddl") as path:
-        problem = PDDLReader().parse_problem(str(path))
+    problem = _without_objects().clone()
     for type_name, names in (("box", boxes), ("support", supports)):
         for name in names:
             if problem.has_name(name):
@@ -49,6 +49,12 @@ def ground(problem: Any) -> Iterator[tuple[Action, GroundEffects]]:
         if grounded is not None:
             name = Action(action.name, tuple(str(argument) for argument in arguments))
             yield name, _strips(grounded.preconditions, grounded.effects)
+
+
+@cache
+def _without_objects() -> Any:
+    with as_file(files("ictamp_drake.symbolic") / "domain.pddl") as path:
+        return PDDLReader().parse_problem(str(path))
 
 
 def _fluent(problem: Any, atom: Atom) -> Expression:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from heapq import heappop, heappush, heapreplace
 from typing import NamedTuple, Optional
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Skeleton, State
 from ictamp_drake.symbolic.domain import Domain
@@ -35,6 +36,10 @@ class BestFirst:
     """
 
     weight: float = 2.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.weight < math.inf:
+            raise IctampError(f"weight of the best-first search is {self.weight}, but must be 0 or more and finite.")
 
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""

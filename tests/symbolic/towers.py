@@ -1,0 +1,84 @@
+"""Symbolic states from towers, the three packing levels, and random problems of towers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+from hypothesis import strategies as st
+
+from ictamp_drake.core.types import Atom, State
+from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, LYING, ON, TIPPED, UPRIGHT, tipped_boxes
+from ictamp_drake.symbolic.domain import Domain
+
+Tower = tuple[str, ...]
+"""A support and the boxes on it, from below."""
+
+
+@cache
+def _domain(boxes: tuple[str, ...], supports: tuple[str, ...], tipped: tuple[str, ...]) -> Domain:
+    """Of a start only who is tipped matters to the domain."""
+    return Domain.create(boxes, supports, state([(supports[0], box) for box in boxes], tipped))
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Start and goal of a search."""
+
+    boxes: tuple[str, ...]
+    supports: tuple[str, ...]
+    initial: State
+    goal: frozenset[Atom]
+
+    @property
+    def domain(self) -> Domain:
+        return _domain(self.boxes, self.supports, tuple(sorted(tipped_boxes(self.initial))))
+
+
+def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
+    """The state of the towers with an empty hand."""
+    atoms = {Atom(HAND_EMPTY, ())}
+    for tower in towers:
+        for below, box in zip(tower, tower[1:], strict=False):
+            atoms |= {Atom(LYING if box in tipped else ON, (box, below))}
+            atoms |= {Atom(TIPPED if box in tipped else UPRIGHT, (box,))}
+        atoms |= {Atom(CLEAR, (tower[-1],))} if len(tower) > 1 else set()
+    return frozenset(atoms)
+
+
+def standing(tower: Tower) -> frozenset[Atom]:
+    """The goal that the tower stands."""
+    return frozenset(Atom(ON, (box, below)) for below, box in zip(tower, tower[1:], strict=False))
+
+
+def level(*towers: Tower, goal: Tower) -> Problem:
+    return Problem(("blue", "cyan", "red", "yellow"), ("rack", "table"), state(towers), standing(goal))
+
+
+LEVELS = {
+    "easy": level(("table", "cyan", "yellow"), ("table", "red"), ("table", "blue"), goal=("rack", "cyan", "yellow")),
+    "medium": level(("table", "cyan", "yellow", "red"), ("table", "blue"), goal=("rack", "cyan", "yellow", "red")),
+    "hard": level(("table", "cyan", "yellow", "red", "blue"), goal=("rack", "cyan", "yellow", "red", "blue")),
+}
+
+
+@st.composite
+def arrangements(draw: st.DrawFn, boxes: Sequence[str], supports: Sequence[str]) -> list[Tower]:
+    """All boxes in random towers on random supports."""
+    towers: list[Tower] = []
+    for box in draw(st.permutations(boxes)):
+        bases = [(support,) for support in supports]
+        base = draw(st.sampled_from([*bases, *towers]))
+        towers = [tower for tower in towers if tower != base] + [(*base, box)]
+    return towers
+
+
+@st.composite
+def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2, may_tip: bool = True) -> Problem:
+    """A random start, a part of another random arrangement as goal; boxes outside the goal may lie."""
+    box_names = tuple(f"box_{i}" for i in range(draw(st.integers(1, boxes))))
+    support_names = tuple(f"table_{i}" for i in range(draw(st.integers(1, supports))))
+    final = frozenset[Atom]().union(*map(standing, draw(arrangements(box_names, support_names))))
+    goal = frozenset(draw(st.sets(st.sampled_from(sorted(final)), min_size=1)))
+    free = sorted(set(box_names) - {atom.args[0] for atom in goal}) if may_tip else []
+    tipped = draw(st.sets(st.sampled_from(free))) if free else set()
+    return Problem(box_names, support_names, state(draw(arrangements(box_names, support_names)), sorted(tipped)), goal)
