@@ -1,4 +1,4 @@
-"""The constrained packing problems: three levels, their committed files, and the generator that made them.
+"""The generator of the constrained packing problems.
 
 A tower stands on the table and must stand in the same order on the rack; the boxes outside the goal interfere (paper,
 Experiments). Problems whose number is a multiple of three are plain: the other boxes are bystanders that stand on the
@@ -9,10 +9,7 @@ base, or tipped (lying on a long side); the mixes of these kinds take turns.
 """
 
 import itertools
-import re
 import sys
-from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -22,54 +19,8 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.scenes.checks import check_choice
 from ictamp_drake.scenes.layout import Spot, Stack, Zone, build_stack, outline_radius, place_stacks
-from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec, SupportSpec, Vector, save_scene
-
-
-@dataclass(frozen=True)
-class Level:
-    """A level of difficulty.
-
-    Attributes:
-        tower: the boxes to pack, from the bottom up.
-        bystanders: the boxes outside the goal in every problem.
-        extras: further ones, of which a problem that is not plain has at least one.
-        count: how many problem files are committed.
-    """
-
-    tower: tuple[str, ...]
-    bystanders: tuple[str, ...]
-    extras: tuple[str, ...]
-    count: int
-
-
-LEVELS = {
-    "easy": Level(("cyan_box", "yellow_box"), ("red_box", "blue_box"), (), 55),
-    "medium": Level(("cyan_box", "yellow_box", "red_box"), ("blue_box",), (), 37),
-    "hard": Level(("cyan_box", "yellow_box", "red_box", "blue_box"), (), ("green_box", "purple_box"), 17),
-}
-
-SIZES: dict[str, Vector] = {
-    "yellow_box": (0.057, 0.057, 0.066),
-    "red_box": (0.05, 0.05, 0.118),
-    "cyan_box": (0.058, 0.058, 0.07),
-    "blue_box": (0.05, 0.05, 0.106),
-    "green_box": (0.045, 0.06, 0.08),
-    "purple_box": (0.04, 0.07, 0.1),
-}
-
-_COLOURS: dict[str, Vector] = {
-    "yellow_box": (0.95, 0.8, 0.15),
-    "red_box": (0.8, 0.12, 0.1),
-    "cyan_box": (0.15, 0.75, 0.8),
-    "blue_box": (0.15, 0.3, 0.8),
-    "green_box": (0.2, 0.6, 0.2),
-    "purple_box": (0.5, 0.2, 0.6),
-}
-
-_SUPPORTS = {
-    "table": SupportSpec(kind="table", position=(0.3, 0.0, 0.0)),
-    "rack": SupportSpec(kind="rack", position=(0.44, -0.33, 0.16), yaw=90.0),
-}
+from ictamp_drake.scenes.levels import COLOURS, LEVELS, SIZES, SUPPORTS, Level
+from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec, save_scene
 
 MAX_STACK = 5
 """Boxes on each other at most: higher towers sway, and the arm cannot lift boxes off them everywhere."""
@@ -102,40 +53,13 @@ def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream
     spots = place_stacks([outline_radius(stack) for stack in stacks], zones, nearby, rng)
     boxes = [box for stack, spot in zip(stacks, spots, strict=True) for box in _boxes(stack, spot)]
     return SceneSpec(
-        supports=_SUPPORTS,
+        supports=SUPPORTS,
         boxes=dict(boxes),
         goal=_goal(spec.tower),
         seed=number,
         interference=tuple(kind for kind in INTERFERENCES if any(kind in kinds for kinds in roles.values())),
         description=_describe(level, roles),
     )
-
-
-def problem_files(level: str, selection: str = ":") -> list[Path]:
-    """The committed problem files of a level, e.g. those of the selection 0:5.
-
-    Raises:
-        IctampError: when there is no such level or the selection is not understood or empty.
-    """
-    check_choice("level", level, LEVELS)
-    folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
-    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, LEVELS[level].count)]
-
-
-def parse_selection(selection: str, count: int) -> range:
-    """Problem numbers below `count` from a number (3) or a slice (0:5, 10:, :).
-
-    Raises:
-        IctampError: when it is neither or selects nothing.
-    """
-    match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
-    if match is None or selection.strip() == "":
-        raise IctampError(f"problems is '{selection}', but must be a number or a slice, e.g. 3, 0:5, 10: or :")
-    start, colon, stop = match.groups()
-    chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)
-    if not chosen or chosen[-1] >= count:
-        raise IctampError(f"problems is '{selection}', but must select from the numbers 0 to {count - 1}")
-    return chosen
 
 
 def _draw_roles(level: Level, number: int, rng: np.random.Generator) -> Roles:
@@ -185,7 +109,7 @@ def _boxes(stack: Stack, spot: Spot) -> list[tuple[str, BoxSpec]]:
                 size=SIZES[piece.name],
                 position=(round(spot[0] + piece.offset[0], 4), round(spot[1] + piece.offset[1], 4), piece.z),
                 rotation=piece.rotation,
-                colour=_COLOURS[piece.name],
+                colour=COLOURS[piece.name],
             ),
         )
         for piece in stack

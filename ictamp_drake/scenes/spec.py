@@ -102,7 +102,7 @@ class BoxSpec:
     colour: Vector = (0.6, 0.6, 0.6)
 
     def __post_init__(self) -> None:
-        check_vector("size", self.size, 0.005, 1, " m")
+        check_vector("size", self.size, 0.008, 1, " m")
         check_vector("position", self.position, -10, 10, " m")
         check_vector("rotation", self.rotation, -360, 360, " deg")
         check_range("mass", self.mass, 0.001, 3, " kg")

@@ -1,0 +1,84 @@
+"""The three levels of constrained packing, what their scenes consist of, and their committed problem files."""
+
+import re
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.scenes.checks import check_choice
+from ictamp_drake.scenes.spec import SupportSpec, Vector
+
+
+@dataclass(frozen=True)
+class Level:
+    """A level of difficulty.
+
+    Attributes:
+        tower: the boxes to pack, from the bottom up.
+        bystanders: the boxes outside the goal in every problem.
+        extras: further ones, of which a problem that is not plain has at least one.
+        count: how many problem files are committed.
+    """
+
+    tower: tuple[str, ...]
+    bystanders: tuple[str, ...]
+    extras: tuple[str, ...]
+    count: int
+
+
+LEVELS = {
+    "easy": Level(("cyan_box", "yellow_box"), ("red_box", "blue_box"), (), 55),
+    "medium": Level(("cyan_box", "yellow_box", "red_box"), ("blue_box",), (), 37),
+    "hard": Level(("cyan_box", "yellow_box", "red_box", "blue_box"), (), ("green_box", "purple_box"), 17),
+}
+
+SIZES: dict[str, Vector] = {
+    "yellow_box": (0.057, 0.057, 0.066),
+    "red_box": (0.05, 0.05, 0.118),
+    "cyan_box": (0.058, 0.058, 0.07),
+    "blue_box": (0.05, 0.05, 0.106),
+    "green_box": (0.045, 0.06, 0.08),
+    "purple_box": (0.04, 0.07, 0.1),
+}
+
+COLOURS: dict[str, Vector] = {
+    "yellow_box": (0.95, 0.8, 0.15),
+    "red_box": (0.8, 0.12, 0.1),
+    "cyan_box": (0.15, 0.75, 0.8),
+    "blue_box": (0.15, 0.3, 0.8),
+    "green_box": (0.2, 0.6, 0.2),
+    "purple_box": (0.5, 0.2, 0.6),
+}
+
+SUPPORTS = {
+    "table": SupportSpec(kind="table", position=(0.3, 0.0, 0.0)),
+    "rack": SupportSpec(kind="rack", position=(0.44, -0.33, 0.16), yaw=90.0),
+}
+
+
+def problem_files(level: str, selection: str = ":") -> list[Path]:
+    """The committed problem files of a level, e.g. those of the selection 0:5.
+
+    Raises:
+        IctampError: when there is no such level or the selection is not understood or empty.
+    """
+    check_choice("level", level, LEVELS)
+    folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
+    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, LEVELS[level].count)]
+
+
+def parse_selection(selection: str, count: int) -> range:
+    """Problem numbers below `count` from a number (3) or a slice (0:5, 10:, :).
+
+    Raises:
+        IctampError: when it is neither or selects nothing.
+    """
+    match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
+    if match is None or selection.strip() == "":
+        raise IctampError(f"problems is '{selection}', but must be a number or a slice, e.g. 3, 0:5, 10: or :")
+    start, colon, stop = match.groups()
+    chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)
+    if not chosen or chosen[-1] >= count:
+        raise IctampError(f"problems is '{selection}', but must select from the numbers 0 to {count - 1}")
+    return chosen

@@ -1,0 +1,60 @@
+"""The committed problem files and how they are selected."""
+
+from collections import Counter
+
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.scenes.levels import LEVELS, parse_selection, problem_files
+from ictamp_drake.scenes.packing import make_problem
+from ictamp_drake.scenes.spec import load_scene, to_yaml
+
+
+@pytest.mark.parametrize(("level", "count"), [("easy", 55), ("medium", 37), ("hard", 17)])
+def test_the_generator_gives_the_committed_files_byte_for_byte(level: str, count: int) -> None:
+    files = problem_files(level)
+    assert len(files) == count
+    assert sorted(files[0].parent.iterdir()) == files
+    for number, path in enumerate(files):
+        assert to_yaml(make_problem(level, number)).encode() == path.read_bytes()
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_the_committed_files_are_distinct_scenes_with_all_kinds(level: str) -> None:
+    specs = [load_scene(path) for path in problem_files(level)]
+    assert len({tuple(sorted((name, box.position) for name, box in spec.boxes.items())) for spec in specs}) == len(
+        specs
+    )
+    plain = sum(not spec.interference for spec in specs)
+    assert plain == -(-len(specs) // 3)
+    mixes = Counter(spec.interference for spec in specs if spec.interference)
+    assert len(mixes) == (4 if level == "medium" else 7)
+    assert max(mixes.values()) - min(mixes.values()) <= 1
+
+
+@pytest.mark.parametrize(
+    ("selection", "numbers"),
+    [("3", [3]), ("0:5", [0, 1, 2, 3, 4]), (":", list(range(17))), ("15:", [15, 16]), (":2", [0, 1]), ("16:99", [16])],
+)
+def test_selections(selection: str, numbers: list[int]) -> None:
+    assert list(parse_selection(selection, 17)) == numbers
+    assert [path.name for path in problem_files("hard", selection)] == [f"{number:03d}.yaml" for number in numbers]
+
+
+@pytest.mark.parametrize("selection", ["", "a", "1,2", "-1", "1:2:3", "1.5", "0-5"])
+def test_a_selection_that_is_not_understood(selection: str) -> None:
+    with pytest.raises(IctampError, match=f"problems is '{selection}', but must be a number or a slice, e.g. 3, 0:5"):
+        parse_selection(selection, 17)
+
+
+@pytest.mark.parametrize("selection", ["17", "5:5", "5:3", "17:"])
+def test_a_selection_of_nothing(selection: str) -> None:
+    with pytest.raises(IctampError, match=f"problems is '{selection}', but must select from the numbers 0 to 16"):
+        parse_selection(selection, 17)
+
+
+def test_an_unknown_level() -> None:
+    with pytest.raises(IctampError, match="level is 'extreme', but must be one of: easy, medium, hard"):
+        problem_files("extreme")
+    with pytest.raises(IctampError, match="level is 'extreme', but must be one of: easy, medium, hard"):
+        make_problem("extreme", 0)
