@@ -28,7 +28,7 @@ check: install-test  ## format, linters, types, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/deptry .
-	$(BIN)/lint-imports
+	$(BIN)/lint-imports --no-logo
 
 wheel: install-test  ## build the wheel and test what is in it
 	$(BIN)/python -m pytest -m wheel $(ARGS)

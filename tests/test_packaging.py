@@ -113,20 +113,31 @@ for module in pkgutil.walk_packages(ictamp_drake.__path__, "ictamp_drake."):
 @pytest.mark.wheel
 def test_models_are_found(elsewhere: Elsewhere) -> None:
     code = """
-from importlib.resources import files
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-models = files("ictamp_drake.models")
-for path in sorted(models.joinpath("sdf").iterdir(), key=str):
-    parser = Parser(MultibodyPlant(0.001))
-    parser.package_map().AddPackageXml(str(models / "package.xml"))
-    assert parser.AddModelsFromUrl(f"package://ictamp_drake/sdf/{path.name}")
+from ictamp_drake.models.package import PACKAGE_FILE, add_package
+for path in PACKAGE_FILE.parent.rglob("*.sdf"):
+    plant = MultibodyPlant(0.001)
+    parser = Parser(plant)
+    add_package(parser)
+    parser.AddModels(str(path))
     print(path.name)
 """
-    assert set(elsewhere.python("-c", code).split()) == {path.name for path in (PACKAGE / "models" / "sdf").iterdir()}
+    assert set(elsewhere.python("-c", code).split()) == {path.name for path in PACKAGE.rglob("*.sdf")}
 
 
 @pytest.mark.wheel
-@pytest.mark.parametrize("program", ["experiments.packing", "plan"])
+def test_problems_are_found(elsewhere: Elsewhere) -> None:
+    code = """
+from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.scenes.spec import load_scene
+for level in ("easy", "medium", "hard"):
+    print(len([load_scene(path) for path in problem_files(level)]))
+"""
+    assert elsewhere.python("-c", code).split() == ["55", "37", "17"]
+
+
+@pytest.mark.wheel
+@pytest.mark.parametrize("program", ["experiments.packing", "plan", "scenes.packing"])
 def test_programs_start(elsewhere: Elsewhere, program: str) -> None:
     assert "usage:" in elsewhere.python("-m", f"ictamp_drake.{program}", "--help")
