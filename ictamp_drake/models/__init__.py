@@ -1,12 +1,29 @@
 """Robot, supports and boxes: SDF files written by `python -m ictamp_drake.models.write`, and their constants."""
 
-from pathlib import Path
+from ictamp_drake.models.constants import (
+    ARM_JOINTS,
+    ARM_LIMITS,
+    FINGER_JOINTS,
+    GRIPPER_MAX_WIDTH,
+    HOME,
+    MAX_FINGER_SPEED,
+    MAX_GRIP_FORCE,
+    JointLimits,
+)
+from ictamp_drake.models.package import add_package
+from ictamp_drake.models.shapes import box_sdf, rack_sdf, table_sdf
 
-from pydrake.multibody.parsing import Parser
-
-PACKAGE_FILE = Path(__file__).parent / "package.xml"
-
-
-def add_package(parser: Parser) -> None:
-    """Make the files beside this module known as package://ictamp_drake/..."""
-    parser.package_map().AddPackageXml(filename=PACKAGE_FILE)
+__all__ = [
+    "ARM_JOINTS",
+    "ARM_LIMITS",
+    "FINGER_JOINTS",
+    "GRIPPER_MAX_WIDTH",
+    "HOME",
+    "MAX_FINGER_SPEED",
+    "MAX_GRIP_FORCE",
+    "JointLimits",
+    "add_package",
+    "box_sdf",
+    "rack_sdf",
+    "table_sdf",
+]

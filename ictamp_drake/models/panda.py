@@ -1,13 +1,14 @@
 """The SDF of a Franka Emika Panda with its hand, written from the published numbers."""
 
 import math
+from collections.abc import Iterable
 
-from ictamp_drake.models import constants, contact, panda_collision
+from ictamp_drake.models import constants, contact, panda_collision, panda_visual
 from ictamp_drake.models.constants import JointLimits
-from ictamp_drake.models.sdf_text import Colour, collision, document, element, inertial, numbers, pose, visual
+from ictamp_drake.models.sdf_text import collision, document, element, inertial, mesh_visual, numbers, pose, visual
 
-WHITE: Colour = (0.93, 0.93, 0.93)
-DARK: Colour = (0.2, 0.2, 0.22)
+Pair = tuple[str, str]
+"""Names of two links."""
 
 
 def _limit(lower: float, upper: float, velocity: float, effort: float, acceleration: float | None = None) -> str:
@@ -45,7 +46,8 @@ def _link(name: str, placement: str) -> str:
     shapes = panda_collision.LINKS[name]
     children = [placement, inertial(constants.INERTIALS[name])]
     children += [collision(shape, contact.BODY) for shape in shapes]
-    children += [visual(shape, WHITE) for shape in shapes]
+    children += [visual(accent, colour) for accent, colour in panda_visual.LINKS[name].accents]
+    children.append(mesh_visual(f"package://ictamp_drake/sdf/{name}.gltf"))
     return element("link", children, name=name)
 
 
@@ -55,7 +57,7 @@ def _finger(name: str, yaw: float) -> str:
         inertial(constants.INERTIALS[name]),
         *(collision(shape, contact.BODY) for shape in panda_collision.FINGER),
         *(collision(shape, contact.PAD) for shape in (panda_collision.PAD, *panda_collision.PAD_CONTACTS)),
-        *(visual(shape, DARK) for shape in (*panda_collision.FINGER, panda_collision.PAD)),
+        *(visual(shape, panda_visual.DARK) for shape in (*panda_collision.FINGER, panda_collision.PAD)),
     ]
     return element("link", children, name=name)
 
@@ -67,8 +69,32 @@ def _finger_joint(name: str, child: str, mimic: str) -> str:
     return element("joint", children, name=name, type="prismatic")
 
 
-def panda_sdf() -> str:
-    """The model `panda`: base link panda_link0, flange frame panda_link8, frame `grasp` (G) between the pads."""
+def _collision_filter(ignored_pairs: Iterable[Pair]) -> list[str]:
+    others: dict[str, list[str]] = {name: [] for name in constants.INERTIALS}
+    for first, second in ignored_pairs:
+        others[first].append(second)
+    return [
+        element(
+            "drake:collision_filter_group",
+            [
+                f"<drake:member>{name}</drake:member>",
+                *(
+                    f"<drake:ignored_collision_filter_group>only_{n}</drake:ignored_collision_filter_group>"
+                    for n in names
+                ),
+            ],
+            name=f"only_{name}",
+        )
+        for name, names in others.items()
+    ]
+
+
+def panda_sdf(ignored_pairs: Iterable[Pair]) -> str:
+    """The model `panda`: base link panda_link0, flange frame panda_link8, frame `grasp` (G) between the pads.
+
+    Args:
+        ignored_pairs: links that are never tested for collision with each other.
+    """
     links = [_link(f"panda_link{i}", _arm_link_pose(i)) for i in range(8)]
     joints = [_arm_joint(number, limits) for number, limits in enumerate(constants.ARM_LIMITS, start=1)]
     flange = element(
@@ -90,5 +116,6 @@ def panda_sdf() -> str:
         element("joint", [fixed], name="panda_hand_joint", type="fixed"),
         _finger_joint(first, "panda_leftfinger", ""),
         _finger_joint(second, "panda_rightfinger", mimic),
+        *_collision_filter(ignored_pairs),
     ]
     return document(element("model", children, name="panda"))

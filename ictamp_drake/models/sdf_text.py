@@ -84,6 +84,11 @@ def visual(shape: Shape, colour: Colour) -> str:
     )
 
 
+def mesh_visual(uri: str) -> str:
+    """A visual element with the colours of a glTF file."""
+    return f'<visual name="mesh"><geometry><mesh><uri>{uri}</uri></mesh></geometry></visual>'
+
+
 def element(tag: str, children: Iterable[str], **attributes: str) -> str:
     """An element around its children."""
     head = "".join(f' {name}="{value}"' for name, value in attributes.items())

@@ -5,6 +5,8 @@ from pathlib import Path
 from ictamp_drake.models import shapes
 from ictamp_drake.models.contact import OBJECT
 from ictamp_drake.models.panda import panda_sdf
+from ictamp_drake.models.panda_visual import visual_files
+from ictamp_drake.models.self_collision import ignored_pairs
 
 FOLDER = Path(__file__).parent / "sdf"
 
@@ -19,7 +21,7 @@ def contents() -> dict[str, str]:
         "table.sdf": shapes.table_sdf("table", shapes.TABLE_SIZE),
         "rack.sdf": shapes.rack_sdf("rack", shapes.RACK_SIZE),
     }
-    return {"panda.sdf": panda_sdf(), **supports, **boxes}
+    return {"panda.sdf": panda_sdf(ignored_pairs()), **supports, **boxes, **visual_files()}
 
 
 def main() -> None:
