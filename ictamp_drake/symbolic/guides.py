@@ -14,8 +14,9 @@ from ictamp_drake.symbolic.domain import Domain
 class Guide(Protocol):
     """What `skeletons.PlanStream` orders its paths by."""
 
-    horizon: float
-    """Plans of up to this many actions are ordered rightly; raised by `grow`."""
+    @property
+    def horizon(self) -> float:
+        """Plans of up to this many actions are ordered rightly; raised by `grow`."""
 
     def remaining(self, state: State) -> float:
         """Actions from the state to the goal, as far as known; infinite when no way is known."""
@@ -32,7 +33,6 @@ class BreadthFirstDistance:
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
-        self.horizon: float = 0
         self._domain = domain
         self._goal = goal
         self._depth = {initial: 0}
@@ -40,6 +40,10 @@ class BreadthFirstDistance:
         self._predecessors: dict[State, list[State]] = {initial: []}
         self._frontier: deque[State] = deque()
         self._reach(initial)
+
+    @property
+    def horizon(self) -> float:
+        return self._depth[self._frontier[0]] if self._frontier else math.inf
 
     def remaining(self, state: State) -> float:
         return self._remaining.get(state, math.inf)
@@ -52,7 +56,6 @@ class BreadthFirstDistance:
                 self._depth[successor] = self._depth[state] + 1
                 self._reach(successor)
             self._shorten(state, self.remaining(successor) + 1)
-        self.horizon = self._depth[self._frontier[0]] if self._frontier else math.inf
 
     def _reach(self, state: State) -> None:
         if self._goal <= state:
@@ -83,6 +86,7 @@ class MoveCount:
 
     def __init__(self, domain: Domain, goal: frozenset[Atom], weight: float) -> None:
         self._weight = weight
+        self._goal = goal
         self._known: dict[State, float] = {}
         self._target = {atom.args[0]: atom.args[1] for atom in goal}
         self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
@@ -97,6 +101,8 @@ class MoveCount:
         raise RuntimeError("nothing can be added to a bound with an infinite horizon")
 
     def _unavoidable_actions(self, state: State) -> int:
+        if self._goal <= state:
+            return 0
         supporter = supporters(state)
         to_move = {box for box in supporter if self._must_move(box, supporter)}
         actions = 2 * len(to_move)

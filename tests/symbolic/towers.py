@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 from hypothesis import strategies as st
 
@@ -38,7 +39,7 @@ def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
     """The state of the towers with an empty hand."""
     atoms = {Atom(HAND_EMPTY, ())}
     for tower in towers:
-        for below, box in zip(tower, tower[1:], strict=False):
+        for below, box in pairwise(tower):
             atoms |= {Atom(LYING if box in tipped else ON, (box, below))}
             atoms |= {Atom(TIPPED if box in tipped else UPRIGHT, (box,))}
         atoms |= {Atom(CLEAR, (tower[-1],))} if len(tower) > 1 else set()
@@ -47,7 +48,7 @@ def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
 
 def standing(tower: Tower) -> frozenset[Atom]:
     """The goal that the tower stands."""
-    return frozenset(Atom(ON, (box, below)) for below, box in zip(tower, tower[1:], strict=False))
+    return frozenset(Atom(ON, (box, below)) for below, box in pairwise(tower))
 
 
 def level(*towers: Tower, goal: Tower) -> Problem:

@@ -1,0 +1,73 @@
+"""The guides against distances found by looking at every state."""
+
+import math
+
+import pytest
+from hypothesis import given
+
+from ictamp_drake.core.types import Atom, State
+from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount
+from tests.symbolic.towers import LEVELS, Problem, problems, standing, state
+
+
+def distances(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, float]:
+    """Actions from every reachable state to the goal, by sweeping over all of them until nothing changes."""
+    successors, frontier = {}, [initial]
+    while frontier:
+        successors.update({s: [after for _, after in domain.successors(s)] for s in frontier})
+        frontier = list({after for s in frontier for after in successors[s]} - successors.keys())
+    distance = {s: 0 if goal <= s else math.inf for s in successors}
+    while True:
+        better = {s: 1 + min(distance[t] for t in successors[s]) for s in successors if not goal <= s}
+        if all(distance[s] == better[s] for s in better):
+            return distance
+        distance |= better
+
+
+@given(problems(boxes=3))
+def test_the_move_count_never_exceeds_the_distance_and_falls_by_one_at_most(problem: Problem) -> None:
+    domain, guide = problem.domain, MoveCount(problem.domain, problem.goal, weight=1)
+    for s, distance in distances(domain, problem.initial, problem.goal).items():
+        assert guide.remaining(s) <= distance
+        assert guide.remaining(s) > 0 or problem.goal <= s
+        assert all(guide.remaining(after) >= guide.remaining(s) - 1 for _, after in domain.successors(s))
+
+
+@pytest.mark.parametrize(("name", "actions"), [("easy", 6), ("medium", 10), ("hard", 14)])
+def test_the_move_count_is_exact_for_a_tower_rebuilt_in_the_same_order(name: str, actions: int) -> None:
+    problem = LEVELS[name]
+    assert MoveCount(problem.domain, problem.goal, weight=1).remaining(problem.initial) == actions
+    assert MoveCount(problem.domain, problem.goal, weight=2).remaining(problem.initial) == 2 * actions
+
+
+def test_the_move_count_sees_who_is_in_the_way() -> None:
+    """red stands where yellow shall stand, and blue on red."""
+    initial = state([("table", "cyan", "red", "blue"), ("table", "yellow")])
+    problem = Problem(("blue", "cyan", "red", "yellow"), ("table",), initial, standing(("table", "cyan", "yellow")))
+    assert MoveCount(problem.domain, problem.goal, weight=1).remaining(initial) == 6
+
+
+@given(problems(boxes=3))
+def test_breadth_first_distances_are_exact_up_to_the_horizon(problem: Problem) -> None:
+    domain, goal = problem.domain, problem.goal
+    exact = distances(domain, problem.initial, goal)
+    guide, depth = BreadthFirstDistance(domain, problem.initial, goal), _depths(domain, problem.initial, goal)
+    while guide.horizon < math.inf:
+        for s in depth:
+            if depth[s] + exact[s] <= guide.horizon:
+                assert guide.remaining(s) == exact[s]
+            assert guide.remaining(s) >= exact[s]
+        guide.grow()
+    assert all(guide.remaining(s) == exact[s] for s in depth)
+
+
+def _depths(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, int]:
+    """Actions from the start to each state that can be reached without passing the goal."""
+    depth, frontier = {initial: 0}, [initial]
+    for s in frontier:
+        for after in [] if goal <= s else [after for _, after in domain.successors(s)]:
+            if after not in depth:
+                depth[after] = depth[s] + 1
+                frontier.append(after)
+    return depth

@@ -1,0 +1,192 @@
+"""The streams of plans: complete, in order, resumable, the same in every process."""
+
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import islice, takewhile
+
+import pytest
+from hypothesis import assume, given, settings
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import PlanGenerator
+from ictamp_drake.core.types import Action, Skeleton, State
+from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
+from tests.symbolic.towers import LEVELS, Problem, problems, standing, state
+
+Config = BreadthFirst | BestFirst
+CONFIGS = {"breadth_first": BreadthFirst(), "best_first": BestFirst(), "a_star": BestFirst(weight=1)}
+each_config = pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
+
+
+def create(config: Config, problem: Problem) -> PlanGenerator:
+    return config.create(problem.domain, problem.initial, problem.goal)
+
+
+def stream(generator: PlanGenerator, max_expansions: int = 1000) -> Iterator[Skeleton]:
+    while not generator.exhausted:
+        plan = generator.next_plan(max_expansions)
+        if plan is not None:
+            yield plan
+
+
+def all_plans(problem: Problem, longest: float) -> Iterator[tuple[Action, ...]]:
+    """Every plan without a repeated state, by depth-first search through all of them."""
+
+    def extend(visited: tuple[State, ...], actions: tuple[Action, ...]) -> Iterator[tuple[Action, ...]]:
+        if problem.goal <= visited[-1]:
+            yield actions
+        elif len(actions) < longest:
+            for action, after in problem.domain.successors(visited[-1]):
+                if after not in visited:
+                    yield from extend((*visited, after), (*actions, action))
+
+    return extend((problem.initial,), ())
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "shortest", "expanded"),
+    [("easy", 6, 4, 144), ("medium", 10, 11, 402), ("hard", 14, 22, 489)],
+)
+def test_breadth_first_finds_all_shortest_plans_of_the_levels(
+    name: str, length: int, shortest: int, expanded: int
+) -> None:
+    generator = create(BreadthFirst(), LEVELS[name])
+    plan = generator.next_plan(1000)
+    assert plan is not None
+    assert len(plan) == length
+    assert generator.expanded == expanded
+    assert 1 + sum(1 for _ in takewhile(lambda plan: len(plan) == length, stream(generator))) == shortest
+
+
+@pytest.mark.parametrize("problem", LEVELS.values(), ids=LEVELS)
+def test_best_first_walks_straight_to_a_shortest_plan_of_the_levels(problem: Problem) -> None:
+    generator = create(BestFirst(), problem)
+    plan = generator.next_plan(1000)
+    assert plan is not None
+    assert len(plan) == len(next(stream(create(BreadthFirst(), problem))))
+    assert generator.expanded == len(plan) + 1
+
+
+@each_config
+@given(problem=problems(boxes=3))
+def test_plans_lead_to_the_goal_and_repeat_no_state(config: Config, problem: Problem) -> None:
+    plans = list(islice(stream(create(config, problem)), 30))
+    assert len({plan.actions for plan in plans}) == len(plans)
+    for plan in plans:
+        assert plan.states[0] == problem.initial
+        for before, action, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
+            assert problem.domain.successor(before, action) == after
+        assert len(set(plan.states)) == len(plan.states)
+        assert [problem.goal <= s for s in plan.states] == [False] * len(plan) + [True]
+
+
+@pytest.mark.parametrize("config", [BreadthFirst(), BestFirst(weight=1)], ids=["breadth_first", "a_star"])
+@settings(max_examples=30)
+@given(problem=problems(boxes=3))
+def test_all_plans_up_to_eight_actions_come_in_order_of_length(config: Config, problem: Problem) -> None:
+    plans = [
+        plan.actions for plan in takewhile(lambda plan: len(plan) <= 8, islice(stream(create(config, problem)), 5000))
+    ]
+    assert len(plans) < 5000
+    assert sorted(plans) == sorted(all_plans(problem, longest=8))
+    assert list(map(len, plans)) == sorted(map(len, plans))
+
+
+@each_config
+@given(problem=problems(boxes=2))
+def test_a_stream_ends_after_all_plans(config: Config, problem: Problem) -> None:
+    generator = create(config, problem)
+    assert sorted(plan.actions for plan in stream(generator)) == sorted(all_plans(problem, math.inf))
+    assert generator.exhausted
+    assert generator.next_plan(1000) is None
+
+
+@each_config
+def test_a_goal_out_of_reach_exhausts_the_stream(config: Config) -> None:
+    """A tipped box never stands."""
+    initial = state([("table", "cyan"), ("table", "red")], tipped=("red",))
+    problem = Problem(("cyan", "red"), ("table",), initial, standing(("table", "cyan", "red")))
+    assert list(stream(create(config, problem))) == []
+
+
+@each_config
+def test_a_goal_that_holds_is_one_plan_without_actions(config: Config) -> None:
+    initial = state([("table", "cyan")])
+    generator = create(config, Problem(("cyan",), ("table",), initial, standing(("table", "cyan"))))
+    assert list(stream(generator)) == [Skeleton((initial,), ())]
+
+
+@each_config
+@given(problem=problems(boxes=3))
+def test_one_expansion_at_a_time_gives_the_same_stream(config: Config, problem: Problem) -> None:
+    slow, fast = create(config, problem), create(config, problem)
+    for plan in islice(stream(fast), 20):
+        found, before = None, slow.expanded
+        while found is None:
+            found = slow.next_plan(1)
+            assert slow.expanded == before + 1
+            before = slow.expanded
+        assert found == plan
+        assert slow.expanded == fast.expanded
+
+
+def test_a_call_stops_after_its_expansions() -> None:
+    generator = create(BreadthFirst(), LEVELS["hard"])
+    assert generator.next_plan(100) is None
+    assert generator.expanded == 100
+    assert generator.next_plan(0) is None
+    assert generator.expanded == 100
+    assert not generator.exhausted
+
+
+@settings(max_examples=25)
+@given(problem=problems(boxes=8, supports=4))
+def test_best_first_plans_for_eight_boxes_within_a_thousand_expansions(problem: Problem) -> None:
+    assume(not problem.goal <= problem.initial)
+    generator = create(BestFirst(), problem)
+    plans = [generator.next_plan(1000) for _ in range(3)]
+    assert plans[0] is not None
+
+
+def test_eight_boxes_on_four_supports_are_sorted_into_two_towers() -> None:
+    boxes, supports = tuple("abcdefgh"), ("east", "north", "south", "west")
+    initial = state([("east", "a", "b"), ("north", "c", "d"), ("south", "e", "f"), ("west", "g", "h")])
+    goal = standing(("north", "a", "c", "e", "g")) | standing(("south", "h", "f", "d", "b"))
+    generator = create(BestFirst(), Problem(boxes, supports, initial, goal))
+    plan = generator.next_plan(1000)
+    assert plan is not None
+    assert len(plan) <= 24
+    assert generator.expanded <= 100
+
+
+@pytest.mark.parametrize("weight", [-1.0, math.inf, math.nan])
+def test_a_weight_that_makes_no_sense_is_refused(weight: float) -> None:
+    with pytest.raises(IctampError, match=rf"^weight of the best-first search is {weight}, but must be 0 or more"):
+        BestFirst(weight=weight)
+
+
+PROGRAM = """
+from tests.symbolic.test_skeletons import CONFIGS, LEVELS, create
+for config in CONFIGS.values():
+    generator = create(config, LEVELS["medium"])
+    for _ in range(60):
+        print(*generator.next_plan(1000).actions, generator.expanded)
+"""
+
+
+def test_the_stream_does_not_depend_on_the_hash_seed() -> None:
+    outputs = [
+        subprocess.run(
+            [sys.executable, "-c", PROGRAM],
+            env=os.environ | {"PYTHONHASHSEED": seed},
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert outputs[0].count("\n") == 180
+    assert outputs[0] == outputs[1]
