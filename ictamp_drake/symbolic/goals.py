@@ -9,7 +9,7 @@ from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import ON, tipped_boxes
 
 _FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...)"
-_WORD = pyparsing.Word(pyparsing.printables, exclude_chars="()")
+_WORD = pyparsing.Regex(r"[^\s()]+")
 _FORMULA = pyparsing.nested_expr("(", ")", content=_WORD, ignore_expr=None)
 
 
