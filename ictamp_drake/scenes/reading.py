@@ -5,7 +5,7 @@ field at a time here, and the dataclass, its required fields and its defaults ar
 """
 
 import dataclasses
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Mapping
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import yaml
@@ -56,9 +56,10 @@ def build(schema: type[T], raw: object, where: str = "") -> T:
         if name not in fields:
             raise IctampError(f"unknown field '{_join(where, name)}'; valid are: {', '.join(fields)}")
         values[name] = _value(hints[name], value, _join(where, name))
-    for name, field in fields.items():
-        if name not in values and field.default is field.default_factory is dataclasses.MISSING:
-            raise IctampError(f"'{_join(where, name)}' is missing; needed are: {', '.join(_required(fields.values()))}")
+    needed = [name for name, field in fields.items() if field.default is field.default_factory is dataclasses.MISSING]
+    for name in needed:
+        if name not in values:
+            raise IctampError(f"'{_join(where, name)}' is missing; needed are: {', '.join(needed)}")
     try:
         return schema(**values)
     except IctampError as error:
@@ -91,8 +92,7 @@ def _value(hint: Any, raw: object, where: str) -> object:
     leaf = list[get_args(hint)[0]] if is_tuple else hint  # type: ignore[misc]
     holder = dataclasses.make_dataclass("Field", [("value", leaf, dataclasses.field(default=None))])
     try:
-        data = yaml_dump({"value": raw})  # type: ignore[no-untyped-call]
-        value = yaml_load_typed(schema=holder, data=data).value  # type: ignore[no-untyped-call]
+        value = yaml_load_typed(schema=holder, data=yaml_dump({"value": raw})).value
     except (RuntimeError, ValueError, TypeError, yaml.YAMLError) as error:
         raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}") from error
     return tuple(value) if is_tuple else value
@@ -101,10 +101,6 @@ def _value(hint: Any, raw: object, where: str) -> object:
 def _described(hint: Any) -> str:
     words = {float: "a number", int: "a whole number", str: "text"}
     return words.get(hint) or ("a list of texts" if get_args(hint)[0] is str else "a list of three numbers")
-
-
-def _required(fields: Iterable[dataclasses.Field[Any]]) -> list[str]:
-    return [field.name for field in fields if field.default is field.default_factory is dataclasses.MISSING]
 
 
 def _join(where: str, rest: str) -> str:

@@ -1,12 +1,24 @@
 """Stacks at rest and spots for them."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.scenes.layout import RACK_FOOTPRINT, Piece, Zone, build_stack, fits, is_stable, rack_distance
+from ictamp_drake.scenes.layout import (
+    RACK_FOOTPRINT,
+    Piece,
+    Zone,
+    build_stack,
+    fits,
+    is_stable,
+    place_stacks,
+    rack_distance,
+)
 from ictamp_drake.scenes.levels import SIZES, SUPPORTS
 
 
@@ -80,3 +92,15 @@ def test_stacked_boxes_touch_and_are_seldom_aligned() -> None:
     assert len({piece.rotation[2] for piece in stack}) == 3
     steps = np.diff([piece.offset for piece in stack], axis=0)
     assert all(0 < math.hypot(*step) <= 0.008 for step in steps)
+
+
+@given(st.lists(st.floats(0.03, 0.08), min_size=1, max_size=3), st.booleans(), st.integers(0, 999))
+def test_stacks_keep_apart_and_neighbours_are_near(others: list[float], near: bool, seed: int) -> None:
+    radii = [0.04, *others]
+    zones = [Zone.TOWER] + len(others) * [Zone.FRONT]
+    spots = place_stacks(radii, zones, [False] + len(others) * [near], generator(Stream.SCENES, seed))
+    for (a, spot_a), (b, spot_b) in itertools.combinations(zip(radii, spots, strict=True), 2):
+        assert math.dist(spot_a, spot_b) - a - b >= 0.01
+    for radius, spot, zone in zip(radii, spots, zones, strict=True):
+        assert fits(spot, radius, zone)
+        assert not near or math.dist(spot, spots[0]) <= 0.04 + radius + 0.0401
