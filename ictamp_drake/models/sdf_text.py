@@ -31,8 +31,8 @@ class Shape(NamedTuple):
 
 
 def numbers(values: Iterable[float]) -> str:
-    """The values with nine digits, apart by blanks; -0 is written as 0."""
-    return " ".join(f"{value + 0.0:.9g}" for value in values)
+    """The values with twelve digits, apart by blanks; -0 is written as 0."""
+    return " ".join(f"{value + 0.0:.12g}" for value in values)
 
 
 def pose(xyz: Sequence[float], rpy: Sequence[float] = (0.0, 0.0, 0.0), relative_to: str = "") -> str:

@@ -4,12 +4,12 @@ A pair is left out when it touches in nearly every configuration, so that a test
 joined by a joint or a weld are left out by Drake itself.
 """
 
-import json
 from collections import Counter
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+import yaml
 from pydrake.geometry import PenetrationAsPointPair, QueryObject, SceneGraphInspector
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
@@ -20,7 +20,7 @@ from ictamp_drake.models.constants import INERTIALS
 from ictamp_drake.models.package import add_package
 from ictamp_drake.models.panda import Pair, panda_sdf
 
-FILE = Path(__file__).parent / "self_collision.json"
+FILE = Path(__file__).parent / "self_collision.yaml"
 SAMPLES = 100_000
 SEED = 0
 ALWAYS = 0.95
@@ -81,7 +81,7 @@ def _pair(key: str) -> Pair:
 
 def ignored_pairs() -> tuple[Pair, ...]:
     """The pairs that were found to need no test, in alphabetical order."""
-    found = json.loads(FILE.read_text())["shares"]
+    found = yaml.safe_load(FILE.read_text())["shares"]
     pairs = {_pair(key) for key, share in found.items() if share == 0.0 or share >= ALWAYS}
     return tuple(sorted(pairs | {FINGERS}))
 
@@ -90,7 +90,7 @@ def main() -> None:
     """Sample and write the shares."""
     found = shares(panda_sdf(()), SAMPLES, SEED)
     record = {"samples": SAMPLES, "seed": SEED, "shares": {" ".join(pair): share for pair, share in found.items()}}
-    FILE.write_text(json.dumps(record, indent=1) + "\n")
+    FILE.write_text(yaml.safe_dump(record, sort_keys=False))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,176 @@
+"""The Panda against the published numbers, and its hand in simulated physics."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+from ictamp_drake import models
+from ictamp_drake.models.constants import INERTIALS
+
+# Franka's documentation, "Denavit-Hartenberg parameters" (Craig's convention): a [m], d [m], alpha [rad].
+PUBLISHED_DH = (
+    (0.0, 0.333, 0.0),
+    (0.0, 0.0, -math.pi / 2),
+    (0.0, 0.316, math.pi / 2),
+    (0.0825, 0.0, math.pi / 2),
+    (-0.0825, 0.384, -math.pi / 2),
+    (0.0, 0.0, math.pi / 2),
+    (0.088, 0.0, math.pi / 2),
+)
+FLANGE = 0.107
+BOX_WIDTH = 0.05
+
+
+def add_panda(builder: DiagramBuilder, time_step: float) -> tuple[MultibodyPlant, SceneGraph]:
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
+    parser = Parser(plant)
+    models.add_package(parser)
+    parser.AddModelsFromUrl("package://ictamp_drake/sdf/panda.sdf")
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("panda_link0"))
+    return plant, scene_graph
+
+
+@pytest.fixture(scope="module")
+def plant() -> MultibodyPlant:
+    plant, _ = add_panda(DiagramBuilder(), 0.0)
+    plant.Finalize()
+    return plant
+
+
+def craig(a: float, d: float, alpha: float, theta: float) -> np.ndarray:
+    turned = RigidTransform(RotationMatrix.MakeXRotation(alpha), [0, 0, 0]) @ RigidTransform([a, 0, 0])
+    return (turned @ RigidTransform(RotationMatrix.MakeZRotation(theta), [0, 0, d])).GetAsMatrix4()
+
+
+def fraction(low: float = 0.0, high: float = 1.0) -> st.SearchStrategy[list[float]]:
+    return st.lists(st.floats(low, high), min_size=7, max_size=7)
+
+
+@given(fractions=fraction())
+def test_forward_kinematics_is_the_published_table(plant: MultibodyPlant, fractions: list[float]) -> None:
+    lower = np.array([limit.lower for limit in models.ARM_LIMITS])
+    upper = np.array([limit.upper for limit in models.ARM_LIMITS])
+    q = lower + np.array(fractions) * (upper - lower)
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, np.r_[q, 0.0, 0.0])
+    X = np.eye(4)
+    for i, (a, d, alpha) in enumerate(PUBLISHED_DH):
+        X = X @ craig(a, d, alpha, q[i])
+        frame = plant.GetFrameByName(f"panda_link{i + 1}")
+        np.testing.assert_allclose(frame.CalcPoseInWorld(context).GetAsMatrix4(), X, atol=1e-9)
+    X = X @ craig(0.0, FLANGE, 0.0, 0.0)
+    flange = plant.GetFrameByName("panda_link8")
+    np.testing.assert_allclose(flange.CalcPoseInWorld(context).GetAsMatrix4(), X, atol=1e-9)
+
+
+def test_grasp_frame_is_between_the_pads(plant: MultibodyPlant) -> None:
+    context = plant.CreateDefaultContext()
+    X = plant.GetFrameByName("grasp").CalcPose(context, plant.GetFrameByName("panda_link8"))
+    expected = RigidTransform(RotationMatrix.MakeZRotation(-math.pi / 4), [0.0, 0.0, 0.1034])
+    assert X.IsNearlyEqualTo(expected, 1e-9)
+    plant.SetPositions(context, np.r_[models.HOME, 0.02, 0.02])
+    G = plant.GetFrameByName("grasp")
+    for name, side in (("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)):
+        p_G = plant.GetFrameByName(name).CalcPose(context, G).translation()
+        np.testing.assert_allclose(p_G[:2], [0.0, 0.02 * side], atol=1e-9)
+
+
+def test_home_points_down_in_front_of_the_base(plant: MultibodyPlant) -> None:
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, np.r_[models.HOME, 0.0, 0.0])
+    X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(context)
+    np.testing.assert_allclose(X_WG.rotation().col(2), [0.0, 0.0, -1.0], atol=1e-6)
+    assert X_WG.translation()[0] > 0.25
+
+
+def test_limits_in_the_plant_are_the_constants(plant: MultibodyPlant) -> None:
+    limits = np.array(models.ARM_LIMITS)
+    np.testing.assert_allclose(plant.GetPositionLowerLimits()[:7], limits[:, 0])
+    np.testing.assert_allclose(plant.GetPositionUpperLimits()[:7], limits[:, 1])
+    np.testing.assert_allclose(plant.GetVelocityUpperLimits()[:7], limits[:, 2])
+    np.testing.assert_allclose(plant.GetAccelerationUpperLimits()[:7], limits[:, 3])
+    np.testing.assert_allclose(plant.GetEffortUpperLimits()[:7], limits[:, 5])
+    np.testing.assert_allclose(plant.GetPositionUpperLimits()[7:], models.GRIPPER_MAX_WIDTH / 2)
+    np.testing.assert_allclose(plant.GetEffortUpperLimits()[7:], models.MAX_GRIP_FORCE)
+    names = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
+    assert tuple(names) == models.ARM_JOINTS + models.FINGER_JOINTS
+
+
+def test_masses_in_the_plant_are_the_constants(plant: MultibodyPlant) -> None:
+    context = plant.CreateDefaultContext()
+    for name, inertial in INERTIALS.items():
+        M = plant.GetBodyByName(name).CalcSpatialInertiaInBodyFrame(context)
+        assert M.get_mass() == pytest.approx(inertial.mass)
+        np.testing.assert_allclose(M.get_com(), inertial.p_LLcm, atol=1e-12)
+        moments = M.Shift(M.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+        np.testing.assert_allclose(np.diag(moments), inertial.inertia[:3], rtol=1e-6)
+        np.testing.assert_allclose(moments[[0, 0, 1], [1, 2, 2]], inertial.inertia[3:], atol=1e-9)
+
+
+APPROXIMATIONS = (DiscreteContactApproximation.kSap, DiscreteContactApproximation.kLagged)
+
+
+def grip(approximation: DiscreteContactApproximation, force: float, seconds: float, start: float) -> np.ndarray:
+    """Finger positions after pushing both fingers of a hand without gravity, a free box between them."""
+    builder = DiagramBuilder()
+    plant, _ = add_panda(builder, 0.002)
+    plant.set_discrete_contact_approximation(approximation)
+    parser = Parser(plant)
+    sdf = models.box_sdf("box", (BOX_WIDTH, BOX_WIDTH, 0.1), 0.1, 1.0, (1.0, 0.0, 0.0))
+    parser.AddModelsFromString(sdf, "sdf")
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
+    plant.Finalize()
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    panda = plant.GetModelInstanceByName("panda")
+    for joint, angle in zip(models.ARM_JOINTS, models.HOME, strict=True):
+        plant.GetJointByName(joint).set_angle(context, angle)
+        plant.GetJointByName(joint).Lock(context)
+    for joint in models.FINGER_JOINTS:
+        plant.GetJointByName(joint).set_translation(context, start)
+    X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(context)
+    plant.SetFreeBodyPose(context, plant.GetBodyByName("box"), X_WG)
+    plant.get_actuation_input_port().FixValue(context, np.r_[np.zeros(7), force, force])
+    simulator.AdvanceTo(seconds)
+    return np.asarray(plant.GetPositions(context, panda)[7:])
+
+
+@pytest.mark.parametrize("approximation", APPROXIMATIONS)
+def test_hand_opens_to_its_full_width(approximation: DiscreteContactApproximation) -> None:
+    fingers = grip(approximation, 5.0, 0.2, start=0.03)
+    np.testing.assert_allclose(2.0 * fingers, models.GRIPPER_MAX_WIDTH, atol=1e-4)
+
+
+@pytest.mark.parametrize("approximation", APPROXIMATIONS)
+def test_hand_closes_on_a_box_and_stops_at_its_surface(approximation: DiscreteContactApproximation) -> None:
+    fingers = grip(approximation, -40.0, 0.3, start=0.035)
+    assert abs(fingers[0] - fingers[1]) < 1e-4
+    np.testing.assert_allclose(fingers, BOX_WIDTH / 2, atol=5e-4)
+
+
+def test_fingers_move_together_when_only_one_is_driven() -> None:
+    builder = DiagramBuilder()
+    plant, _ = add_panda(builder, 0.002)
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
+    plant.Finalize()
+    simulator = Simulator(builder.Build())
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    plant.get_actuation_input_port().FixValue(context, np.r_[np.zeros(7), 1.0, 0.0])
+    simulator.AdvanceTo(0.1)
+    fingers = plant.GetPositions(context)[7:]
+    assert fingers[0] > 0.005
+    assert abs(fingers[0] - fingers[1]) < 1e-4
