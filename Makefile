@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip
 HAS_GLIB = $(BIN)/python -c 'import ctypes; ctypes.CDLL("libglib-2.0.so.0")' 2>/dev/null
 HAS_CHROMIUM = command -v chromium || command -v chromium-browser || command -v google-chrome
 
-.PHONY: help install install-test packing test check format wheel constraints clean
+.PHONY: help install install-test packing test check lint types dependencies contracts format wheel constraints clean
 
 help:  ## say what there is
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile
@@ -23,11 +23,19 @@ test: install-test  ## run the tests, all but those of the built wheel
 	@$(HAS_CHROMIUM) >/dev/null || scripts/apt_install.sh chromium "No Chromium for the tests of the replay page." || true
 	$(BIN)/python -m pytest -n $(WORKERS) -m "not wheel" $(ARGS)
 
-check: install-test  ## format, linters, types, import contracts
-	$(BIN)/ruff format --check .
+check: lint types dependencies contracts  ## lint, types, dependencies and contracts, one after the other
+
+lint: install-test  ## style and format of the code
 	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: install-test  ## the type checker
 	$(BIN)/mypy
+
+dependencies: install-test  ## packages that are used and not declared, or declared and not used
 	$(BIN)/deptry .
+
+contracts: install-test  ## which room may import which
 	$(BIN)/lint-imports --no-logo
 
 wheel: install-test  ## build the wheel and test what is in it

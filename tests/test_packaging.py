@@ -94,7 +94,8 @@ class Elsewhere:
 def test_wheel_holds_every_file_of_the_package_and_the_licence(wheel: Path) -> None:
     files = {str(path.relative_to(ROOT)) for path in PACKAGE.rglob("*") if path.is_file() and path.suffix != ".pyc"}
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert {name for name in names if name.startswith("ictamp_drake/")} == files
+    assert files - names == set()
+    assert {name for name in names if name.startswith("ictamp_drake/")} - files == set()
     assert any(name.endswith("licenses/LICENSE") for name in names)
 
 
