@@ -81,34 +81,6 @@ def _frozen(array: FloatArray) -> FloatArray:
     return copy
 
 
-@dataclass(frozen=True, eq=False)
-class Configuration:
-    """c, everything that the simulator needs to go on, at rest. Immutable, picklable, compared bit for bit.
-
-    Attributes:
-        q: joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
-        poses: X_WO of every box by name, each of shape (7,).
-        held: the box that the hand grips, or None when the hand is open.
-    """
-
-    q: FloatArray
-    poses: Mapping[str, FloatArray]
-    held: str | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "q", _frozen(self.q))
-        object.__setattr__(self, "poses", {name: _frozen(self.poses[name]) for name in sorted(self.poses)})
-
-    def _key(self) -> tuple[bytes, tuple[tuple[str, bytes], ...], str | None]:
-        return self.q.tobytes(), tuple((name, pose.tobytes()) for name, pose in self.poses.items()), self.held
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Configuration) and self._key() == other._key()
-
-    def __hash__(self) -> int:
-        return hash(self._key())
-
-
 @dataclass(frozen=True)
 class GripperCommand:
     """What the hand is told, in the terms of Franka's own `move` and `grasp` commands.
@@ -120,6 +92,37 @@ class GripperCommand:
 
     width: float
     force: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Configuration:
+    """c, everything that the simulator needs to go on, at rest. Immutable, picklable, compared bit for bit.
+
+    Attributes:
+        q: joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
+        poses: X_WO of every box by name, each of shape (7,).
+        held: the box that the hand grips, or None when it grips nothing.
+        gripper: the command that the hand obeys; by default it is as far open as it goes.
+    """
+
+    q: FloatArray
+    poses: Mapping[str, FloatArray]
+    held: str | None = None
+    gripper: GripperCommand = GripperCommand(width=0.08)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "q", _frozen(self.q))
+        object.__setattr__(self, "poses", {name: _frozen(self.poses[name]) for name in sorted(self.poses)})
+
+    def _key(self) -> tuple[Hashable, ...]:
+        poses = tuple((name, pose.tobytes()) for name, pose in self.poses.items())
+        return self.q.tobytes(), poses, self.held, self.gripper
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Configuration) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
 
 
 @dataclass(frozen=True, eq=False)

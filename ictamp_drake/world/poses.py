@@ -1,4 +1,4 @@
-"""Core's pose arrays (quaternion w, x, y, z, then position) as Drake's transforms."""
+"""Core's pose arrays (quaternion w, x, y, z, then position) to and from Drake's transforms."""
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
@@ -10,3 +10,8 @@ from ictamp_drake.core.types import FloatArray
 def to_transform(pose: FloatArray) -> RigidTransform:
     """Drake's transform of a pose array, shape (7,)."""
     return RigidTransform(Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:])
+
+
+def to_pose(X: RigidTransform) -> FloatArray:
+    """Pose array of Drake's transform, shape (7,)."""
+    return np.concatenate([X.rotation().ToQuaternion().wxyz(), X.translation()])

@@ -12,12 +12,10 @@ from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from ictamp_drake.core.types import Configuration, GripperCommand, Segment
+from ictamp_drake.core.types import Configuration, Segment
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.build import add_scene, filter_flat_contacts
 from ictamp_drake.world.commands import desired_positions, feedforward
-
-OPEN = GripperCommand(width=0.08)
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,6 @@ class PhysicsConfig:
         contact_approximation: of Drake's discrete contact solver.
         arm_stiffness, arm_damping: of the joint controller [Nm/rad, Nm s/rad]; stiffer follows the motion closer.
         finger_stiffness, finger_damping: [N/m, N s/m].
-        grip_force: of each finger around a held object [N].
         rest_speed, rest_turn: a box slower than this is at rest [m/s, rad/s].
         settle_time: longest wait for rest after a motion [s].
         settle_check: time between two looks at the speeds [s].
@@ -37,13 +34,12 @@ class PhysicsConfig:
         record_period: time between two frames of a recording [s].
     """
 
-    time_step: float = 0.005
-    contact_approximation: Literal["lagged", "sap", "similar", "tamsi"] = "lagged"
+    time_step: float = 0.004
+    contact_approximation: Literal["lagged", "sap", "similar", "tamsi"] = "sap"
     arm_stiffness: tuple[float, ...] = (6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 2000.0)
     arm_damping: tuple[float, ...] = (300.0, 300.0, 250.0, 250.0, 100.0, 100.0, 50.0)
     finger_stiffness: float = 2000.0
     finger_damping: float = 50.0
-    grip_force: float = 30.0
     rest_speed: float = 2e-3
     rest_turn: float = 2e-2
     settle_time: float = 2.0
@@ -138,6 +134,7 @@ class Physics:
         time = 0.0
         for index, segment in enumerate(motion):
             time += segment.duration
+            self._gripper = segment.gripper
             self._simulator.AdvanceTo(time)
             if watch is not None and not watch(index, self):
                 return Outcome(self.configuration(), False, index)
@@ -150,10 +147,10 @@ class Physics:
         return Outcome(self.configuration(), settled)
 
     def _start(self, c: Configuration, motion: Sequence[Segment], locked: Collection[str]) -> None:
-        gripper = OPEN if c.held is None else GripperCommand(float(c.q[7:].sum()), self.config.grip_force)
         end = sum(segment.duration for segment in motion) + self.config.settle_time + 2 * self.config.settle_check
-        self._positions.UpdateTrajectory(desired_positions(c.q[:7], gripper, motion, end))
-        self._efforts.UpdateTrajectory(feedforward(gripper, motion, end))
+        self._positions.UpdateTrajectory(desired_positions(c.q[:7], c.gripper, motion, end))
+        self._efforts.UpdateTrajectory(feedforward(c.gripper, motion, end))
+        self._gripper = c.gripper
         self._simulator.get_mutable_context().SetTime(0.0)
         plant, context = self._plant, self._context
         plant.SetPositions(context, self.bodies.arm, c.q)
@@ -184,7 +181,7 @@ class Physics:
         """The configuration at this moment; velocities are dropped."""
         plant, context = self._plant, self._context
         poses = {n: plant.GetPositions(context, body.model_instance()) for n, body in self.bodies.boxes.items()}
-        return Configuration(plant.GetPositions(context, self.bodies.arm), poses, self.gripped())
+        return Configuration(plant.GetPositions(context, self.bodies.arm), poses, self.gripped(), self._gripper)
 
     def gripped(self) -> str | None:
         """The box that both fingers press, if any."""

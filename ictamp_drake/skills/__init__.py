@@ -1,0 +1,1 @@
+"""ψ: Pick and Place, their parameters k and the samplers that draw them."""

@@ -1,0 +1,58 @@
+"""What a skill is, and the pieces from which skills put their motions together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.motion.planner import Planned
+from ictamp_drake.world.commands import gripper_time
+
+OPEN = GripperCommand(GRIPPER_MAX_WIDTH)
+"""The hand as far open as it goes."""
+TIP = 0.012
+"""Distance of the finger tips below G [m]."""
+PAUSE = 0.1
+"""Time that the hand waits after the gripper has obeyed [s]."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why there is no motion for a parameter k: a kinematic failure and one sentence more."""
+
+    failure: Failure
+    detail: str = ""
+
+
+class Skill(Protocol):
+    """ψ_a, what turns k into a motion."""
+
+    def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
+        """The motion that carries out the action from c with parameter k, or what is in its way."""
+
+
+def refusal(planned: Planned) -> Refusal | None:
+    """The refusal of a request to the motion planner, None when it was met."""
+    return None if planned.failure is None else Refusal(planned.failure, planned.detail)
+
+
+def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand) -> Segment:
+    """The arm stands still at q, shape (7,) [rad], while the gripper goes from one command to the next."""
+    duration = gripper_time(before, after) + PAUSE
+    return Segment(label, duration, after, 1, np.array([0.0, duration]), q[None])
+
+
+def imagined(
+    c: Configuration,
+    *,
+    q: FloatArray,
+    width: float,
+    held: str | None,
+    moved: Mapping[str, FloatArray] | None = None,
+) -> Configuration:
+    """c as it will be: arm at q, shape (7,) [rad], fingers `width` apart [m], the `moved` boxes at their X_WO."""
+    return Configuration(np.concatenate([q, [width / 2] * 2]), {**c.poses, **(moved or {})}, held)

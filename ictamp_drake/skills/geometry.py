@@ -1,0 +1,60 @@
+"""Between k and the pose of the hand: where G is when an object is grasped or placed with a parameter."""
+
+import numpy as np
+from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+
+from ictamp_drake.core.types import Configuration, Parameter
+from ictamp_drake.world.world import World
+
+R_DOWN = RotationMatrix.MakeXRotation(np.pi)
+"""The hand pointing down: G's x along the reference, y (the fingers' direction) against it, z down."""
+
+
+def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidTransform:
+    """X_WG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
+    R_UG = RotationMatrix.MakeZRotation(k[3]) @ R_DOWN
+    return world.upright(c, box).X_WU @ RigidTransform(R_UG, k[:3])
+
+
+def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> Parameter:
+    """k of a hand pose, the inverse of `grasp_pose` for hands that point down."""
+    X_UG = world.upright(c, box).X_WU.inverse() @ X_WG
+    return np.append(X_UG.translation(), yaw_of(X_UG.rotation() @ R_DOWN.inverse()))
+
+
+def held_bottom(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> RigidTransform:
+    """X_GB of the frame B in the bottom face's centre of the held box, parallel to its upright frame U."""
+    lying = world.upright(c, box)
+    return X_WG.inverse() @ lying.X_WU @ RigidTransform([0.0, 0.0, -lying.size[2] / 2])
+
+
+def placement_pose(
+    world: World, c: Configuration, receptacle: str, X_GB: RigidTransform, k: Parameter
+) -> RigidTransform:
+    """X_WG with which the held box's bottom frame B is at k = (x, y, z, yaw) in the receptacle's frame T."""
+    X_TB = RigidTransform(RotationMatrix.MakeZRotation(k[3]), k[:3])
+    return world.X_WT(c, receptacle) @ X_TB @ X_GB.inverse()
+
+
+def placement_parameter(
+    world: World, c: Configuration, receptacle: str, X_GB: RigidTransform, X_WG: RigidTransform
+) -> Parameter:
+    """k of a hand pose, the inverse of `placement_pose` for boxes held level."""
+    X_TB = world.X_WT(c, receptacle).inverse() @ X_WG @ X_GB
+    return np.append(X_TB.translation(), yaw_of(X_TB.rotation()))
+
+
+def yaw_of(R: RotationMatrix) -> float:
+    """Angle about z [rad]."""
+    return float(RollPitchYaw(R).yaw_angle())
+
+
+def grip_width(world: World, c: Configuration, box: str, yaw: float) -> float:
+    """Side of the box along the fingers' direction [m], of the side nearest to it when the grasp is askew."""
+    size = world.upright(c, box).size
+    return float(size[1] if abs(np.cos(yaw)) >= abs(np.sin(yaw)) else size[0])
+
+
+def raised(X_WG: RigidTransform, rise: float) -> RigidTransform:
+    """The same pose `rise` [m] higher."""
+    return RigidTransform(X_WG.rotation(), X_WG.translation() + [0.0, 0.0, rise])

@@ -1,0 +1,67 @@
+"""What stands around a place where something is to be grasped or put."""
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.world import World
+
+
+class Neighbour(NamedTuple):
+    """Outline of a box or support, seen from above.
+
+    Attributes:
+        X_WU: frame in its centre, z up.
+        half: half sides of the outline along U's x and y, shape (2,) [m].
+    """
+
+    X_WU: RigidTransform
+    half: FloatArray
+
+    @property
+    def radius(self) -> float:
+        """Of the largest circle inside the outline [m]: a bound that no clearance can go below."""
+        return float(np.min(self.half))
+
+    def distance(self, p_W: FloatArray) -> FloatArray:
+        """Horizontal distance of points from the outline, 0 inside; shape (m, 3) -> (m,) [m]."""
+        p_U = (self.X_WU.inverse() @ p_W.T)[:2].T
+        return np.linalg.norm(np.maximum(np.abs(p_U) - self.half, 0.0), axis=1)
+
+
+def neighbours(world: World, c: Configuration, without: Collection[str], height: float) -> list[Neighbour]:
+    """All boxes and supports that reach above `height` [m], but for the named ones."""
+    found = []
+    for name in world.spec.boxes:
+        lying = world.upright(c, name)
+        if name not in without and lying.X_WT.translation()[2] > height + 1e-3:
+            found.append(Neighbour(lying.X_WU, lying.size[:2] / 2))
+    for name, support in world.spec.supports.items():
+        X_WT = to_transform(support.X_WT)
+        if name not in without and X_WT.translation()[2] > height + 1e-3:
+            found.append(Neighbour(X_WT, np.array(support.size[:2]) / 2))
+    return found
+
+
+def free_spot(
+    spots: FloatArray, X_WT: RigidTransform, around: Collection[Neighbour], needed: float, room: float
+) -> FloatArray | None:
+    """The spot with most room among those that have as much as `needed` [m], or None.
+
+    Args:
+        spots: in T, shape (m, 2) [m].
+        X_WT: of the top face.
+        around: what stands there.
+        needed: least distance to any outline [m].
+        room: distance from which on more room is worth nothing [m].
+    """
+    if not len(spots):
+        return None
+    p_W = (X_WT @ np.column_stack([spots, np.zeros(len(spots))]).T).T
+    distance = np.min([np.full(len(spots), needed + room), *(n.distance(p_W) for n in around)], axis=0)
+    best = int(np.argmax(distance))
+    return spots[best] if distance[best] >= needed else None

@@ -1,0 +1,64 @@
+"""ψ_pick: approach, lower, grasp, lift."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
+from ictamp_drake.motion.planner import MotionPlanner
+from ictamp_drake.skills.base import OPEN, TIP, Refusal, hold, imagined, refusal
+from ictamp_drake.skills.geometry import grasp_pose, grip_width, raised
+from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class PickConfig:
+    """Constants of a pick.
+
+    Attributes:
+        force: grip force of each finger [N].
+        margin: height of the finger tips above the box before they are lowered [m].
+        lift: rise of the hand with the box [m].
+    """
+
+    force: float = 30.0
+    margin: float = 0.015
+    lift: float = 0.04
+
+
+class Pick:
+    """Grasps a box from above, wherever and however it lies."""
+
+    def __init__(self, world: World, planner: MotionPlanner, config: PickConfig) -> None:
+        self._world = world
+        self._planner = planner
+        self._config = config
+
+    def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
+        """The motion that grasps with parameter k from c, or what is in its way."""
+        planner, box = self._planner, action.args[0]
+        X_WG = grasp_pose(self._world, c, box, k)
+        grasp = GripperCommand(grip_width(self._world, c, box, k[3]), self._config.force)
+        above = self._world.upright(c, box).size[2] / 2 - k[2] + TIP + self._config.margin
+
+        planner.set_configuration(imagined(c, q=c.q[:7], width=OPEN.width, held=None))
+        q_grasp = planner.posture(X_WG, c.q[:7], rng)
+        if isinstance(q_grasp, Failure):
+            return Refusal(q_grasp)
+        back = planner.straight(q_grasp, raised(X_WG, above))
+        if back.trajectory is None:
+            return refusal(back)
+        approach = planner.transfer(c.q[:7], back.trajectory.end, rng)
+        if approach.trajectory is None:
+            return refusal(approach)
+        planner.set_configuration(imagined(c, q=q_grasp, width=grasp.width, held=box))
+        lift = planner.straight(q_grasp, raised(X_WG, self._config.lift))
+        if lift.trajectory is None:
+            return refusal(lift)
+        return (
+            approach.trajectory.segment("approach", OPEN),
+            back.trajectory.reversed().segment("lower", OPEN),
+            hold("grasp", q_grasp, OPEN, grasp),
+            lift.trajectory.segment("lift", grasp),
+        )

@@ -1,0 +1,70 @@
+"""ψ_place: transfer, lower, release, retreat."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
+from ictamp_drake.motion.planner import MotionPlanner
+from ictamp_drake.skills.base import OPEN, TIP, Refusal, hold, imagined, refusal
+from ictamp_drake.skills.geometry import held_bottom, placement_pose, raised
+from ictamp_drake.world.poses import to_pose, to_transform
+from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class PlaceConfig:
+    """Constants of a placement.
+
+    Attributes:
+        drop: height above its final place from which the box is lowered straight down [m].
+        margin: height of the finger tips above the box after the retreat [m].
+    """
+
+    drop: float = 0.04
+    margin: float = 0.015
+
+
+class Place:
+    """Puts the held box down on a support or on another box."""
+
+    def __init__(self, world: World, planner: MotionPlanner, config: PlaceConfig) -> None:
+        self._world = world
+        self._planner = planner
+        self._config = config
+
+    def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
+        """The motion that places with parameter k from c, or what is in its way."""
+        planner, (box, receptacle) = self._planner, action.args
+        q = c.q[:7]
+        X_WG0 = planner.kinematics.forward(q)
+        X_GB = held_bottom(self._world, c, box, X_WG0)
+        X_WG = placement_pose(self._world, c, receptacle, X_GB, k)
+        X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses[box])
+        above = self._top_above_hand(c, box, X_GB) + TIP + self._config.margin
+
+        planner.set_configuration(c)
+        q_place = planner.posture(X_WG, q, rng)
+        if isinstance(q_place, Failure):
+            return Refusal(q_place)
+        back = planner.straight(q_place, raised(X_WG, self._config.drop))
+        if back.trajectory is None:
+            return refusal(back)
+        transfer = planner.transfer(q, back.trajectory.end, rng)
+        if transfer.trajectory is None:
+            return refusal(transfer)
+        planner.set_configuration(imagined(c, q=q_place, width=OPEN.width, held=None, moved={box: to_pose(X_WO)}))
+        retreat = planner.straight(q_place, raised(X_WG, above))
+        if retreat.trajectory is None:
+            return refusal(retreat)
+        return (
+            transfer.trajectory.segment("transfer", c.gripper),
+            back.trajectory.reversed().segment("lower", c.gripper),
+            hold("release", q_place, c.gripper, OPEN),
+            retreat.trajectory.segment("retreat", OPEN),
+        )
+
+    def _top_above_hand(self, c: Configuration, box: str, X_GB: RigidTransform) -> float:
+        return float(self._world.upright(c, box).size[2] - X_GB.translation()[2])

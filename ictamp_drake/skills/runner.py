@@ -1,0 +1,124 @@
+"""One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, State
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.motion.planner import MotionConfig, MotionPlanner
+from ictamp_drake.skills.base import Refusal, Skill
+from ictamp_drake.skills.judge import judge
+from ictamp_drake.skills.pick import Pick, PickConfig
+from ictamp_drake.skills.place import Place, PlaceConfig
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.simulate import Physics
+from ictamp_drake.world.world import World
+
+
+class SamplerConfig(Protocol):
+    """Configuration of a sampler of k."""
+
+    def create(self, world: World, arm: ArmKinematics) -> Sampler[Configuration]:
+        """The sampler for one scene."""
+
+
+@dataclass(frozen=True)
+class SkillsConfig:
+    """How a low-level step is made.
+
+    Attributes:
+        draws: parameters drawn until one has a motion; 1 is the paper's way.
+        pick: constants of ψ_pick.
+        place: constants of ψ_place.
+        motion: constants of motion planning.
+    """
+
+    draws: int = 8
+    pick: PickConfig = PickConfig()
+    place: PlaceConfig = PlaceConfig()
+    motion: MotionConfig = MotionConfig()
+
+    def create(self, world: World, abstraction: Abstraction, physics: Physics, sampler: SamplerConfig) -> "Skills":
+        """The skills in one scene."""
+        planner = MotionPlanner(world, self.motion)
+        skills = {"pick": Pick(world, planner, self.pick), "place": Place(world, planner, self.place)}
+        return Skills(self.draws, abstraction, physics, sampler.create(world, planner.kinematics), skills)
+
+
+@dataclass(frozen=True, eq=False)
+class Skills:
+    """All skills behind one door, the planner's `SkillRunner`."""
+
+    draws: int
+    abstraction: Abstraction
+    physics: Physics
+    sampler: Sampler[Configuration]
+    skills: Mapping[str, Skill]
+
+    def attempt(
+        self, c: Configuration, action: Action, promised: State, rng: np.random.Generator
+    ) -> Attempt[Configuration]:
+        """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised` (paper, Problem Formulation)."""
+        clock = _Clock()
+        k, plan, rejections = self._plan(c, action, rng, clock)
+        if isinstance(plan, Refusal):
+            return Attempt(action, plan.failure, None, k, (), tuple(rejections), dict(clock.seconds), plan.detail)
+        with clock.timed("physics"):
+            outcome = self.physics.run(c, plan, watch=_Grip(action, plan))
+        with clock.timed("abstraction"):
+            failure, detail = judge(self.abstraction(outcome.c), promised, action, outcome)
+        return Attempt(action, failure, outcome.c, k, plan, tuple(rejections), dict(clock.seconds), detail)
+
+    def _plan(
+        self, c: Configuration, action: Action, rng: np.random.Generator, clock: "_Clock"
+    ) -> tuple[Parameter | None, Motion | Refusal, list[Failure]]:
+        """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
+        refusals: list[Refusal] = []
+        k = None
+        for _ in range(self.draws):
+            with clock.timed("sampling"):
+                k = self.sampler.sample(c, action, rng)
+            if k is None:
+                refusals.append(Refusal(Failure.NO_SAMPLE))
+                continue
+            with clock.timed("motion"):
+                plan = self.skills[action.name].plan(c, action, k, rng)
+            if not isinstance(plan, Refusal):
+                return k, plan, [refusal.failure for refusal in refusals]
+            refusals.append(plan)
+        return k, refusals[-1], [refusal.failure for refusal in refusals[:-1]]
+
+
+@dataclass(frozen=True)
+class _Grip:
+    """Ends the simulation of a pick after its grasp when the box is not between the fingers."""
+
+    action: Action
+    motion: Motion
+
+    def __call__(self, index: int, physics: Physics) -> bool:
+        return self.motion[index].label != "grasp" or physics.gripped() == self.action.args[0]
+
+
+class _Clock:
+    """Computing time by stage [s]."""
+
+    def __init__(self) -> None:
+        self.seconds: defaultdict[str, float] = defaultdict(float)
+
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Add the time spent inside to the stage."""
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[stage] += perf_counter() - start
