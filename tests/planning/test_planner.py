@@ -77,9 +77,9 @@ def test_without_any_plan_the_goal_is_unreachable_at_once() -> None:
 
 
 def test_a_start_at_the_goal_needs_no_step_but_is_verified() -> None:
-    judged: list[tuple[Attempt[ToyConfiguration], ...]] = []
-    result = toy_planner(ToyWorld(size=(0, 0)), verify=lambda path: not judged.append(path)).run()
-    assert judged == [()]
+    events: list[Event] = []
+    result = toy_planner(ToyWorld(size=(0, 0)), listeners=[events.append]).run()
+    assert [event.path for event in events if isinstance(event, Verified)] == [()]
     assert result.plan == ()
     assert result.low_level_steps == 0
 

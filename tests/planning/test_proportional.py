@@ -1,6 +1,7 @@
 """The paper's rule: what it draws, in which proportion, and what it asks of the estimator."""
 
-from collections import Counter
+from collections import Counter, defaultdict
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,8 +49,8 @@ def expected_weights() -> dict[Option, float]:
     """By hand from the paper: plan 2 is at first drawn a node with 1 : 1/2 : 1/4, and then scored by it."""
     nodes = {1: 1, 2: 1 / 2, 3: 1 / 4}
     chance = {node: weight / sum(nodes.values()) for node, weight in nodes.items()}
-    fixed = {OpenPlan(): 2.0 / 4, RunStep(0, 0): 0.6 / 4, RunStep(0, 1): 0.1}
-    weights: dict[Option, float] = Counter()
+    fixed: dict[Option, float] = {OpenPlan(): 2.0 / 4, RunStep(0, 0): 0.6 / 4, RunStep(0, 1): 0.1}
+    weights: defaultdict[Option, float] = defaultdict(float)
     for node, drawn in chance.items():
         score = 0.1 * nodes[node]
         total = sum(fixed.values()) + score
@@ -112,4 +113,4 @@ def test_each_step_is_estimated_once_and_all_new_ones_in_one_call() -> None:
 @pytest.mark.parametrize("value", [-1.0, float("nan")])
 def test_a_negative_constant_is_refused_by_name(name: str, value: float) -> None:
     with pytest.raises(IctampError, match=rf"{name} of the selection rule is {value}, but must be 0 or more"):
-        ProportionalConfig(**{name: value})
+        replace(ProportionalConfig(), **{name: value})  # type: ignore[arg-type]
