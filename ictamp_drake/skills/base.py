@@ -35,9 +35,10 @@ class Skill(Protocol):
         """The motion that carries out the action from c with parameter k, or what is in its way."""
 
 
-def refusal(planned: Planned) -> Refusal | None:
-    """The refusal of a request to the motion planner, None when it was met."""
-    return None if planned.failure is None else Refusal(planned.failure, planned.detail)
+def refusal(planned: Planned) -> Refusal:
+    """Why the motion planner found no trajectory."""
+    assert planned.failure is not None
+    return Refusal(planned.failure, planned.detail)
 
 
 def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand) -> Segment:

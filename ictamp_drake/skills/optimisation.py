@@ -83,7 +83,8 @@ class OptimisationSampler:
 
     def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | None:
         """One k, or None when no program had a solution."""
-        programs = self._picks(c, action.args[0], rng) if action.name == "pick" else self._places(c, *action.args, rng)
+        box, other = action.args
+        programs = self._picks(c, box, rng) if action.name == "pick" else self._places(c, box, other, rng)
         for program, X_WA in programs:
             q = self._solve(program, X_WA, rng)
             if q is not None:

@@ -49,7 +49,7 @@ class SkillsConfig:
     def create(self, world: World, abstraction: Abstraction, physics: Physics, sampler: SamplerConfig) -> "Skills":
         """The skills in one scene."""
         planner = MotionPlanner(world, self.motion)
-        skills = {"pick": Pick(world, planner, self.pick), "place": Place(world, planner, self.place)}
+        skills: dict[str, Skill] = {"pick": Pick(world, planner, self.pick), "place": Place(world, planner, self.place)}
         return Skills(self.draws, abstraction, physics, sampler.create(world, planner.kinematics), skills)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.world.world import Touch, World
+from ictamp_drake.world.world import FINGERS, Touch, World
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,5 @@ class Scene:
 
     def gripped(self, a: str) -> Evaluation:
         """Whether both fingers touch a."""
-        fingers = ("left_finger", "right_finger")
-        distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in fingers}
+        distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in FINGERS}
         return Evaluation(max(distances.values()) <= self.config.contact, distances)

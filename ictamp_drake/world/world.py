@@ -12,6 +12,9 @@ from ictamp_drake.world.build import build_kinematic
 from ictamp_drake.world.frames import Upright, upright
 from ictamp_drake.world.poses import to_transform
 
+FINGERS = ("left_finger", "right_finger")
+"""Names of the fingers among boxes and supports; the rest of the robot is "arm"."""
+
 
 class Touch(NamedTuple):
     """Two bodies whose surfaces are near each other.
@@ -43,13 +46,12 @@ class World:
         self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
 
     def _name_geometries(self) -> dict[object, str]:
-        named = {**self.bodies.boxes, **self.bodies.supports}
-        named |= zip(("left_finger", "right_finger"), self.bodies.fingers, strict=True)
-        return {
-            geometry: name
-            for name, body in named.items()
-            for geometry in self.plant.GetCollisionGeometriesForBody(body)
-        }
+        arm = self.plant.GetBodyIndices(self.bodies.arm)
+        named = [("arm", self.plant.get_body(index)) for index in arm]
+        named += zip(FINGERS, self.bodies.fingers, strict=True)
+        named += [*self.bodies.boxes.items(), *self.bodies.supports.items()]
+        geometries = self.plant.GetCollisionGeometriesForBody
+        return {geometry: name for name, body in named for geometry in geometries(body)}
 
     def initial_configuration(self) -> Configuration:
         """The arm at home with an open hand, the boxes where the specification puts them."""
@@ -69,13 +71,12 @@ class World:
         return Configuration(plant.GetPositions(context, self.bodies.arm), poses, held)
 
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
-        """All pairs of boxes, supports and fingers whose surfaces are at most `tolerance` [m] apart in c."""
+        """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""
         self.set_configuration(c)
         query = self._query_port.Eval(self._query_context)
         return [
             Touch(self._names[pair.id_A], self._names[pair.id_B], pair.distance, pair.nhat_BA_W)
             for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance)
-            if pair.id_A in self._names and pair.id_B in self._names
         ]
 
     def upright(self, c: Configuration, box: str) -> Upright:
