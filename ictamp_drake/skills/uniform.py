@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.world.world import World
 
 
@@ -20,7 +21,7 @@ class UniformConfig:
     yaw: tuple[float, float] = (-np.pi / 4, 3 * np.pi / 4)
     max_height: float = 0.01
 
-    def create(self, world: World) -> "UniformSampler":
+    def create(self, world: World, arm: ArmKinematics) -> "UniformSampler":  # noqa: ARG002  (the same for all samplers)
         """The sampler for one scene."""
         return UniformSampler(world, self)
 
