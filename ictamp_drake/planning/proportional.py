@@ -19,14 +19,14 @@ class ProportionalConfig:
     """Constants of the paper's section Heuristics.
 
     Attributes:
-        W: weight of opening plans against running them. The paper names no value; with 1 a plan that costs a single
-            expansion is worth as much as a fresh step that is certain to succeed. Raise it to open more plans.
+        W: weight of opening plans against running them: a plan that cost W expansions is worth as much as a fresh step
+            that is certain to succeed. The paper names no value. Raise it to leave plans that do not work sooner.
         floor: least estimated probability, so that no step is ever given up.
         redraw: draw the configuration anew before each step of a rollout (Algorithm 2, line 3); False goes on from the
             configuration just reached.
     """
 
-    W: float = 1.0
+    W: float = 30.0
     floor: float = 0.1
     redraw: bool = True
 

@@ -19,7 +19,7 @@ REPOSITORY = Path(__file__).parents[2]
 GOLDEN = REPOSITORY / "tests" / "golden"
 CASES: dict[str, tuple[ToyWorld, ProportionalConfig]] = {
     "sure": (ToyWorld(size=(2, 2)), ProportionalConfig()),
-    "slipping": (ToyWorld(size=(2, 2), success=0.5), ProportionalConfig(W=2.0)),
+    "slipping": (ToyWorld(size=(2, 2), success=0.3), ProportionalConfig(W=2.0)),
     "door": (ToyWorld(size=(2, 1), doors={(2, 1): 0.15}, max_plans=1), ProportionalConfig()),
     "door_without_redrawing": (
         ToyWorld(size=(2, 1), doors={(2, 1): 0.15}, max_plans=1),
