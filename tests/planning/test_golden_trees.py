@@ -33,7 +33,7 @@ CASES: dict[str, tuple[ToyWorld, ProportionalConfig]] = {
 def record(name: str) -> str:
     """Algorithm, parameters, toy model and the whole tree of one search."""
     world, rule = CASES[name]
-    seed, steps, estimator = 5, 40, ConstantConfig()
+    seed, steps, estimator = 5, 80, ConstantConfig()
     result = toy_planner(world, seed=seed, steps=steps, rule=rule, estimator=estimator.create()).run()
     contents: dict[str, Any] = {
         "algorithm": "proportional",
