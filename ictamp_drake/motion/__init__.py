@@ -1,0 +1,1 @@
+"""Inverse kinematics, collision checks, trajectories and paths of the arm."""

@@ -1,0 +1,174 @@
+"""Drake's kinematic trajectory optimisation: the quickest splines within the limits of the joints."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.planning import KinematicTrajectoryOptimization
+from pydrake.solvers import Binding, LinearConstraint, SnoptSolver, SolverOptions
+from scipy.interpolate import BSpline
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.motion.trajectory import Trajectory
+
+_MIN_DURATION = 1e-3
+
+
+class HalfSpace(NamedTuple):
+    """A demand on one moment of a trajectory: normal @ q >= offset.
+
+    Attributes:
+        share: the moment as part of the duration.
+        normal: shape (7,).
+        offset: in the unit of normal times radian.
+    """
+
+    share: float
+    normal: FloatArray
+    offset: float
+
+
+@dataclass(frozen=True)
+class TrajectoryConfig:
+    """How fast and how finely.
+
+    Attributes:
+        velocity: used part of the joints' velocity limits.
+        acceleration: used part of the joints' acceleration limits.
+        jerk: used part of the joints' jerk limits.
+        order: of the splines; 5 has continuous jerk.
+        control_points: of a spline between two points.
+        straightness: cost of leaving the guess [s/rad^2]; larger keeps idle joints quieter.
+        max_duration: [s].
+        iterations: of the solver; what it has then is used.
+    """
+
+    velocity: float = 0.5
+    acceleration: float = 0.3
+    jerk: float = 0.05
+    order: int = 5
+    control_points: int = 14
+    straightness: float = 0.1
+    max_duration: float = 60.0
+    iterations: int = 40
+
+
+class TrajectoryOptimizer:
+    """Fastest splines within the joints' limits. Keeps one program for each number of control points."""
+
+    def __init__(self, config: TrajectoryConfig | None = None) -> None:
+        self.config = config or TrajectoryConfig()
+        limits = np.array(ARM_LIMITS)
+        self.lower, self.upper = limits[:, 0], limits[:, 1]
+        fractions = np.array([self.config.velocity, self.config.acceleration, self.config.jerk])
+        self.bounds = limits[:, 2:5].T * fractions[:, None]
+        """Largest velocity, acceleration and jerk of each joint, shape (3, 7) [rad/s, rad/s^2, rad/s^3]."""
+        self._programs: dict[int, _Program] = {}
+
+    def free(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
+        """From q0 to q1, both of shape (7,) [rad], whatever is in the way."""
+        return self.along(np.array([q0, q1]), np.inf, self.config.control_points)
+
+    def along(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
+        """Through the corridor around a path from its first to its last row.
+
+        Args:
+            path: joint positions joined by straight lines, shape (m, 7) [rad].
+            radius: how far each coordinate of a control point may leave the path [rad].
+            control_points: of the spline, at least 7; more of them follow a crooked path closer.
+        """
+        return self._program(control_points).solve(_spread(path, _profile(control_points)), radius)
+
+    def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace]) -> Trajectory:
+        """Like a trajectory, its control points moved by at most `radius` [rad] so that it meets the demands."""
+        return self._program(len(trajectory.control_points)).solve(trajectory.control_points, radius, demands)
+
+    def _program(self, control_points: int) -> "_Program":
+        if control_points not in self._programs:
+            self._programs[control_points] = _Program(self, control_points)
+        return self._programs[control_points]
+
+    def shortest_duration(self, points: FloatArray, knots: FloatArray) -> float:
+        """Least duration [s] within the limits for control points, shape (n, 7), and knots from 0 to 1."""
+        spline = BSpline(knots, points, self.config.order - 1)
+        factors = [_MIN_DURATION]
+        for order, bound in enumerate(self.bounds, start=1):
+            peaks = np.abs(spline.derivative(order).c[: len(points) - order])  # the spline stays below them
+            factors.append(float((peaks / bound).max() ** (1 / order)))
+        return max(factors)
+
+
+class _Program:
+    def __init__(self, optimizer: TrajectoryOptimizer, control_points: int) -> None:
+        self._optimizer = optimizer
+        config = optimizer.config
+        self._trajectory = KinematicTrajectoryOptimization(7, control_points, config.order)
+        program = self._trajectory.get_mutable_prog()
+        self._points, self._duration = self._trajectory.control_points(), self._trajectory.duration()
+        velocity, acceleration, jerk = optimizer.bounds
+        self._trajectory.AddVelocityBounds(-velocity, velocity)
+        self._trajectory.AddAccelerationBounds(-acceleration, acceleration)
+        self._trajectory.AddJerkBounds(-jerk, jerk)
+        self._trajectory.AddDurationConstraint(_MIN_DURATION, config.max_duration)
+        self._trajectory.AddDurationCost(1.0)
+        flat = self._points.T.ravel()
+        self._corridor = program.AddBoundingBoxConstraint(0.0, 0.0, flat).evaluator()
+        self._pull = program.AddQuadraticErrorCost(np.eye(flat.size), np.zeros(flat.size), flat).evaluator()
+        self._solver, self._options = SnoptSolver(), SolverOptions()
+        self._options.SetOption(SnoptSolver.id(), "Major iterations limit", config.iterations)
+        self._options.SetOption(SnoptSolver.id(), "Iterations limit", 50 * config.iterations)
+
+    def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
+        """A trajectory whose control points are at most `radius` from those of the guess, shape (n, 7).
+
+        Any control points obey the limits when time is stretched, so what an unfinished optimisation has reached
+        serves as well, if it is better than the guess. Demands that can't be met are left unmet.
+        """
+        config, optimizer = self._optimizer.config, self._optimizer
+        corridor = self._set_corridor(guess, radius)
+        weight = config.straightness / guess.size
+        self._pull.UpdateCoefficients(2 * weight * np.eye(guess.size), -2 * weight * guess.ravel())
+        program, knots = self._trajectory.get_mutable_prog(), np.array(self._trajectory.basis().knots())
+        duration = optimizer.shortest_duration(guess, knots)
+        program.SetInitialGuess(self._points, guess.T)
+        program.SetInitialGuess(self._duration, duration)
+        added = [self._add_demands(knots, demands)] if demands else []
+        solution = self._solver.Solve(program, None, self._options).GetSolution(self._points).T
+        for binding in added:
+            program.RemoveConstraint(binding)
+        points = np.clip(solution, *corridor)
+        shorter = optimizer.shortest_duration(points, knots)
+        if not (demands or shorter <= duration) or not np.isfinite(shorter):
+            points, shorter = guess, duration
+        return Trajectory(config.order, knots * shorter, points)
+
+    def _add_demands(self, knots: FloatArray, demands: Sequence[HalfSpace]) -> Binding[LinearConstraint]:
+        basis = BSpline.design_matrix(np.array([d.share for d in demands]), knots, self._optimizer.config.order - 1)
+        normals = np.array([demand.normal for demand in demands])
+        rows = np.einsum("ri,rj->rij", basis.toarray(), normals).reshape(len(demands), -1)
+        offsets = [demand.offset for demand in demands]
+        program, flat = self._trajectory.get_mutable_prog(), self._points.T.ravel()
+        return program.AddLinearConstraint(rows, offsets, np.full(len(demands), np.inf), flat)
+
+    def _set_corridor(self, guess: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+        """The first and last three control points coincide: no velocity and no acceleration at the ends."""
+        lower = np.maximum(guess - radius, np.minimum(self._optimizer.lower, guess))
+        upper = np.minimum(guess + radius, np.maximum(self._optimizer.upper, guess))
+        for bound in (lower, upper):
+            bound[:3], bound[-3:] = guess[0], guess[-1]
+        self._corridor.set_bounds(lower.ravel(), upper.ravel())
+        return lower, upper
+
+
+def _profile(n: int) -> FloatArray:
+    """How far along the path each control point lies at first: bell-shaped velocity, shape (n,) from 0 to 1."""
+    s = np.clip((np.arange(n) - 2) / (n - 5), 0, 1)
+    return s * s * (3 - 2 * s)
+
+
+def _spread(path: FloatArray, shares: FloatArray) -> FloatArray:
+    """Points at shares of the path's length, shape (n, 7)."""
+    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
+    return np.column_stack([np.interp(shares * lengths[-1], lengths, column) for column in path.T])

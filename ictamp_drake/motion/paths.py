@@ -1,0 +1,109 @@
+"""Collision-free paths by sampling: RRT-Connect of the Open Motion Planning Library."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from ompl import base, geometric, util
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.constants import HOME
+
+util.setLogLevel(util.LOG_NONE)
+
+
+@dataclass(frozen=True)
+class PathConfig:
+    """How a path is searched.
+
+    Attributes:
+        margin: how far joints may go beyond the range between start and end [rad].
+        edge: longest edge of the trees [rad].
+        step: distance between checked points of an edge [rad].
+        max_checks: configurations checked before the search gives up.
+        shortcuts: attempts to shorten the path found.
+    """
+
+    margin: float = 0.8
+    edge: float = 0.6
+    step: float = 0.05
+    max_checks: int = 4000
+    shortcuts: int = 30
+
+
+def find_path(
+    q0: FloatArray,
+    q1: FloatArray,
+    is_free: Callable[[FloatArray], bool],
+    *,
+    limits: tuple[FloatArray, FloatArray],
+    rng: np.random.Generator,
+    config: PathConfig,
+) -> FloatArray | None:
+    """A path of straight edges from q0 to q1, shape (m, 7) [rad], or None when the checks are used up.
+
+    Args:
+        q0, q1: joint positions, shape (7,) [rad].
+        is_free: whether a configuration is free of collisions.
+        limits: lower and upper joint limits, each of shape (7,) [rad].
+        rng: seeds the library's own random numbers, so that the same state gives the same path.
+        config: how the path is searched.
+    """
+    util.RNG.setSeed(int(rng.integers(1, 2**31)))
+    space = _space(q0, q1, limits, config)
+    checker = _Checker(is_free)
+    information = base.SpaceInformation(space)
+    information.setStateValidityChecker(checker.check)
+    information.setup()
+    problem = base.ProblemDefinition(information)
+    problem.setStartAndGoalStates(_state(space, q0), _state(space, q1))
+    planner = geometric.RRTConnect(information)
+    planner.setRange(config.edge)
+    planner.setProblemDefinition(problem)
+    planner.setup()
+    planner.solve(base.PlannerTerminationCondition(lambda: checker.checks >= config.max_checks))
+    if not problem.hasExactSolution():
+        return None
+    path = problem.getSolutionPath()
+    geometric.PathSimplifier(information).partialShortcutPath(path, config.shortcuts)
+    return np.array([_array(path.getState(i)) for i in range(path.getStateCount())])
+
+
+class _Checker:
+    """Counts its calls. It must not refer to the library's objects, which refer to it and would never be freed."""
+
+    def __init__(self, is_free: Callable[[FloatArray], bool]) -> None:
+        self.checks = 0
+        self._is_free = is_free
+
+    def check(self, state: base.State) -> bool:
+        self.checks += 1
+        return self._is_free(_array(state))
+
+
+def _space(
+    q0: FloatArray, q1: FloatArray, limits: tuple[FloatArray, FloatArray], config: PathConfig
+) -> base.RealVectorStateSpace:
+    """The joint ranges about both ends, which lie inside even where they break the limits."""
+    low, high = np.minimum(q0, q1), np.maximum(q0, q1)
+    lower = np.minimum(np.maximum(low - config.margin, limits[0]), low)
+    upper = np.maximum(np.minimum(high + config.margin, limits[1]), high)
+    bounds = base.RealVectorBounds(len(q0))
+    for i, (least, most) in enumerate(zip(lower, upper, strict=True)):
+        bounds.setLow(i, float(least))
+        bounds.setHigh(i, float(most))
+    space = base.RealVectorStateSpace(len(q0))
+    space.setBounds(bounds)
+    space.setLongestValidSegmentFraction(config.step / space.getMaximumExtent())
+    return space
+
+
+def _state(space: base.RealVectorStateSpace, q: FloatArray) -> base.State:
+    state = space.allocState()
+    for i, value in enumerate(q):
+        state[i] = float(value)
+    return state
+
+
+def _array(state: base.State) -> FloatArray:
+    return np.array([state[i] for i in range(len(HOME))])

@@ -1,0 +1,171 @@
+"""Collision-free motions of the arm in a scene, the cheapest way first."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.motion.collision import CollisionScene
+from ictamp_drake.motion.config import MotionConfig
+from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.motion.optimization import HalfSpace, TrajectoryOptimizer
+from ictamp_drake.motion.paths import find_path
+from ictamp_drake.motion.stopwatch import Stopwatch
+from ictamp_drake.motion.trajectory import Trajectory, sample
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.world import World
+
+
+class Refusal(NamedTuple):
+    """Why there is no motion: the failure, and one sentence more than it says, or none."""
+
+    failure: Failure
+    detail: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A collision-free motion, and which stage found it: straight, free, raised, sampled or pushed."""
+
+    trajectory: Trajectory
+    stage: str
+
+
+class MotionPlanner:
+    """Plans in one scene. Holds Drake contexts; the same calls give the same motions.
+
+    Attributes:
+        kinematics: of the arm alone.
+        optimizer: of trajectories, blind to collisions.
+        scene: where arm and held box touch things.
+        stopwatch: computing time by stage.
+    """
+
+    def __init__(self, world: World, config: MotionConfig | None = None) -> None:
+        self.config = config or MotionConfig()
+        self.kinematics = ArmKinematics(to_transform(world.spec.arm.X_WB), self.config.kinematics)
+        self.optimizer = TrajectoryOptimizer(self.config.trajectory)
+        self.scene = CollisionScene(world, self.config.held_shrinkage)
+        self.stopwatch = Stopwatch()
+        self._world = world
+        self._c = world.initial_configuration()
+
+    def set_configuration(self, c: Configuration) -> None:
+        """Plan from now on among the boxes of c, with the box that c holds in the hand and c's finger opening."""
+        self._c = c
+        with self.stopwatch.stage("collision check"):
+            self.scene.set_configuration(c)
+
+    def posture(self, X_WG: RigidTransform, q_guess: FloatArray, rng: np.random.Generator) -> FloatArray | Refusal:
+        """Joint positions with G at X_WG and no collision, near q_guess, shape (7,) [rad].
+
+        Returns:
+            NO_INVERSE_KINEMATICS when G can't be brought there, GOAL_IN_COLLISION when every solution collides.
+        """
+        colliding: list[FloatArray] = []
+
+        def accept(q: FloatArray) -> bool:
+            free = self.scene.is_free(q)
+            if not free:
+                colliding.append(q)
+            return free
+
+        with self.stopwatch.stage("inverse kinematics"):
+            q = self.kinematics.solve(X_WG, q_guess, rng, accept=accept)
+        if q is not None:
+            return q
+        if colliding:
+            return Refusal(Failure.GOAL_IN_COLLISION, str(self.scene.first_contact(np.array(colliding)) or ""))
+        return Refusal(Failure.NO_INVERSE_KINEMATICS)
+
+    def straight(self, q0: FloatArray, X_WG1: RigidTransform) -> Planned | Refusal:
+        """The hand goes on a straight line from where q0 holds it to X_WG1, turning evenly.
+
+        The way to a known q1 is the reversed way from it: `straight(q1, X_WG0).trajectory.reversed()`.
+        """
+        with self.stopwatch.stage("inverse kinematics"):
+            path = self.kinematics.line(q0, X_WG1)
+        if path is None:
+            return Refusal(Failure.NO_INVERSE_KINEMATICS, "the arm cannot follow the straight line")
+        with self.stopwatch.stage("trajectory"):
+            points = max(self.config.trajectory.control_points, len(path) + 5)
+            trajectory = self.optimizer.along(path, self.config.line_radius, points)
+        if self._is_free(trajectory):
+            return Planned(trajectory, "straight")
+        failure = Failure.NO_PATH if self.scene.is_free(trajectory.end) else Failure.GOAL_IN_COLLISION
+        return Refusal(failure, self._first_contact(trajectory))
+
+    def transfer(self, q0: FloatArray, q1: FloatArray, rng: np.random.Generator) -> Planned | Refusal:
+        """From q0 to q1, both of shape (7,) [rad], on whatever way is free."""
+        for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
+            if contact := self.scene.first_contact(q[None]):
+                return Refusal(failure, str(contact))
+        room = min(self.scene.clearance(q, self.config.padding) for q in (q0, q1))
+        padding = 0.9 * max(room, 0.0)  # the ends pass for certain
+        for stage, trajectory in self._candidates(q0, q1, padding, rng):
+            if self._is_free(trajectory, padding):
+                return Planned(trajectory, stage)
+        return Refusal(Failure.NO_PATH, self._first_contact(self.optimizer.free(q0, q1), padding))
+
+    def _candidates(
+        self, q0: FloatArray, q1: FloatArray, padding: float, rng: np.random.Generator
+    ) -> Iterator[tuple[str, Trajectory]]:
+        with self.stopwatch.stage("trajectory"):
+            trajectory = self.optimizer.free(q0, q1)
+        yield "free", trajectory
+        with self.stopwatch.stage("path"):
+            path = self._raised(q0, q1)
+        for trajectory in self._along(path):
+            yield "raised", trajectory
+        with self.stopwatch.stage("path"):
+            limits = self.kinematics.lower, self.kinematics.upper
+            path = find_path(
+                q0, q1, lambda q: self.scene.is_free(q, padding), limits=limits, rng=rng, config=self.config.path
+            )
+        for trajectory in self._along(path):
+            yield "sampled", trajectory
+        for _ in range(self.config.push_rounds if path is not None else 0):
+            with self.stopwatch.stage("trajectory"):
+                trajectory = self._pushed(trajectory, padding)
+            yield "pushed", trajectory
+
+    def _raised(self, q0: FloatArray, q1: FloatArray) -> FloatArray | None:
+        """A path over what stands in between."""
+        p0, p1 = (self.kinematics.forward(q).translation() for q in (q0, q1))
+        height = obstacle_height(self._world, self._c, p0, p1, self.config.hand_width) + self.config.rise
+        height += reach_below_grasp(self._world, self._c, self.kinematics.forward(self._c.q[:7]))
+        return raised_path(self.kinematics, q0, q1, height)
+
+    def _along(self, path: FloatArray | None) -> Iterator[Trajectory]:
+        if path is None:
+            return
+        for radius, points in self.config.corridors:
+            with self.stopwatch.stage("trajectory"):
+                trajectory = self.optimizer.along(path, radius, points)
+            yield trajectory
+
+    def _pushed(self, trajectory: Trajectory, padding: float) -> Trajectory:
+        """The trajectory moved away from what it is too near to, as if distances were linear in the joints."""
+        demands = []
+        for share in np.linspace(0.0, 1.0, self.config.push_samples)[1:-1]:
+            q = trajectory.positions(np.array([share * trajectory.duration]))[0]
+            margin = self.config.push_margin * min(1.0, 5 * share, 5 * (1 - share))  # none at the ends, which are fixed
+            for distance, gradient in self.scene.clearance_gradients(q, padding + margin + self.config.push_margin):
+                offset = padding + margin - distance + gradient @ q
+                demands.append(HalfSpace(float(share), gradient, float(offset)))
+        return self.optimizer.around(trajectory, self.config.push_radius, demands)
+
+    def _is_free(self, trajectory: Trajectory, padding: float = 0.0) -> bool:
+        with self.stopwatch.stage("collision check"):
+            return self.scene.are_free(self._samples(trajectory), padding)
+
+    def _first_contact(self, trajectory: Trajectory, padding: float = 0.0) -> str:
+        return str(self.scene.first_contact(self._samples(trajectory), padding) or "")
+
+    def _samples(self, trajectory: Trajectory) -> FloatArray:
+        return sample(trajectory, self.kinematics.forward, self.config.step, self.config.turn)

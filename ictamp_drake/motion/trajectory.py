@@ -1,0 +1,91 @@
+"""Trajectories of the arm: B-splines from rest to rest."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from pydrake.math import RigidTransform
+from scipy.interpolate import BSpline
+
+from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
+
+_PROBES = 33
+"""Points of a trajectory at which the hand's way is measured."""
+_UNEVENNESS = 1.25
+"""How much faster than in the mean the hand may move between two of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A B-spline in joint space that starts and ends at rest.
+
+    Attributes:
+        order: degree + 1.
+        knots: from 0 to the duration [s], shape (n + order,).
+        control_points: [rad], shape (n, 7).
+    """
+
+    order: int
+    knots: FloatArray
+    control_points: FloatArray
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+        return float(self.knots[-1])
+
+    @property
+    def start(self) -> FloatArray:
+        """Shape (7,) [rad]."""
+        return self.control_points[0]
+
+    @property
+    def end(self) -> FloatArray:
+        """Shape (7,) [rad]."""
+        return self.control_points[-1]
+
+    @cached_property
+    def _spline(self) -> BSpline:
+        return BSpline(self.knots, self.control_points, self.order - 1)
+
+    def positions(self, times: FloatArray) -> FloatArray:
+        """Joint positions at times, shape (m,) [s], as an array of shape (m, 7) [rad]."""
+        return np.asarray(self._spline(times))
+
+    def derivatives(self, times: FloatArray, order: int) -> FloatArray:
+        """Derivative of an order at times, shape (m,) [s], as an array of shape (m, 7) [rad/s^order]."""
+        return np.asarray(self._spline.derivative(order)(times))
+
+    def reversed(self) -> "Trajectory":
+        """The same way back in the same time."""
+        return Trajectory(self.order, self.duration - self.knots[::-1], self.control_points[::-1])
+
+    def segment(self, label: str, gripper: GripperCommand) -> Segment:
+        """As a piece of a motion."""
+        return Segment(label, self.duration, gripper, self.order, self.knots, self.control_points)
+
+
+def sample(
+    trajectory: Trajectory, forward: Callable[[FloatArray], RigidTransform], step: float, turn: float
+) -> FloatArray:
+    """Joint positions along a trajectory, both ends included, shape (m, 7) [rad].
+
+    Between neighbours the hand moves at most `step` [m], and neither hand nor any joint turns more than `turn` [rad].
+
+    Args:
+        trajectory: what to look at.
+        forward: X_WG of joint positions.
+        step, turn: see above.
+    """
+    times = np.linspace(0.0, trajectory.duration, _PROBES)
+    qs = trajectory.positions(times)
+    X_WGs = np.array([forward(q).GetAsMatrix34() for q in qs])
+    moved = np.linalg.norm(np.diff(X_WGs[:, :, 3], axis=0), axis=1)
+    # |R - R'| = 2 sqrt(2) sin(angle / 2), which is at least 0.9 sqrt(2) angle below 1.5 rad
+    turned = np.linalg.norm(np.diff(X_WGs[:, :, :3], axis=0), axis=(1, 2)) / (0.9 * np.sqrt(2))
+    jointed = np.abs(np.diff(qs, axis=0)).max(axis=1)
+    parts = np.maximum(moved / step, np.maximum(turned, jointed) / turn)
+    counts = np.ceil(_UNEVENNESS * parts).astype(int).clip(1)
+    pieces = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(times, times[1:], counts, strict=False)]
+    return trajectory.positions(np.append(np.concatenate(pieces), trajectory.duration))
