@@ -30,7 +30,11 @@ class GroundAction:
 
 @dataclass(frozen=True)
 class Domain:
-    """All ground actions of a scene, sorted; `Domain.create` reads them from `domain.pddl`."""
+    """All ground actions of a scene in a fixed order; `Domain.create` reads them from `domain.pddl`.
+
+    Actions on supports come before those on boxes, both in the order given, and so do their plans among plans of equal
+    length: a support has room to choose from, a box hardly any, and what stands on a box can be in the way later.
+    """
 
     boxes: tuple[str, ...]
     supports: tuple[str, ...]
@@ -48,15 +52,19 @@ class Domain:
         for box in boxes:
             _check_place(box, initial)
         problem = pddl.planning_problem(boxes, supports, initial, frozenset())
-        actions = sorted((GroundAction(action, *effects) for action, effects in pddl.ground(problem)), key=_name)
+        places = [*supports, *boxes]
+        actions = sorted(
+            (GroundAction(action, *effects) for action, effects in pddl.ground(problem)),
+            key=lambda ground: (ground.action.name, places.index(ground.action.args[1]), ground.action),
+        )
         return cls(tuple(boxes), tuple(supports), tuple(actions))
 
     def applicable(self, state: State) -> tuple[Action, ...]:
-        """The actions whose preconditions hold, sorted."""
+        """The actions whose preconditions hold, in their order."""
         return tuple(ground.action for ground in self.actions if ground.preconditions <= state)
 
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
-        """The applicable actions, sorted, each with the state that it promises."""
+        """The applicable actions in their order, each with the state that it promises."""
         return tuple((g.action, g.applied(state)) for g in self.actions if g.preconditions <= state)
 
     def successor(self, state: State, action: Action) -> State:
@@ -85,7 +93,3 @@ def _check_place(box: str, initial: State) -> None:
 
 def _about(box: str, predicates: tuple[str, ...], state: State) -> list[Atom]:
     return sorted(atom for atom in state if atom.predicate in predicates and atom.args[0] == box)
-
-
-def _name(ground: GroundAction) -> Action:
-    return ground.action
