@@ -1,15 +1,13 @@
 """What a skill is, and the pieces from which skills put their motions together."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
-from ictamp_drake.motion.planner import Planned
+from ictamp_drake.motion.planner import Refusal
 from ictamp_drake.world.commands import gripper_time
 
 OPEN = GripperCommand(GRIPPER_MAX_WIDTH)
@@ -20,25 +18,11 @@ PAUSE = 0.1
 """Time that the hand waits after the gripper has obeyed [s]."""
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """Why there is no motion for a parameter k: a kinematic failure and one sentence more."""
-
-    failure: Failure
-    detail: str = ""
-
-
 class Skill(Protocol):
     """ψ_a, what turns k into a motion."""
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that carries out the action from c with parameter k, or what is in its way."""
-
-
-def refusal(planned: Planned) -> Refusal:
-    """Why the motion planner found no trajectory."""
-    assert planned.failure is not None
-    return Refusal(planned.failure, planned.detail)
 
 
 def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand) -> Segment:

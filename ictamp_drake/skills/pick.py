@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
-from ictamp_drake.motion.planner import MotionPlanner
-from ictamp_drake.skills.base import OPEN, TIP, Refusal, hold, imagined, refusal
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, raised
 from ictamp_drake.world.world import World
 
@@ -44,18 +43,18 @@ class Pick:
 
         planner.set_configuration(imagined(c, q=c.q[:7], width=OPEN.width, held=None))
         q_grasp = planner.posture(X_WG, c.q[:7], rng)
-        if isinstance(q_grasp, Failure):
-            return Refusal(q_grasp)
+        if isinstance(q_grasp, Refusal):
+            return q_grasp
         back = planner.straight(q_grasp, raised(X_WG, above))
-        if back.trajectory is None:
-            return refusal(back)
+        if isinstance(back, Refusal):
+            return back
         approach = planner.transfer(c.q[:7], back.trajectory.end, rng)
-        if approach.trajectory is None:
-            return refusal(approach)
+        if isinstance(approach, Refusal):
+            return approach
         planner.set_configuration(imagined(c, q=q_grasp, width=grasp.width, held=box))
         lift = planner.straight(q_grasp, raised(X_WG, self._config.lift))
-        if lift.trajectory is None:
-            return refusal(lift)
+        if isinstance(lift, Refusal):
+            return lift
         return (
             approach.trajectory.segment("approach", OPEN),
             back.trajectory.reversed().segment("lower", OPEN),

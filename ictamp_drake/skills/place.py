@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.math import RigidTransform
 
-from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
-from ictamp_drake.motion.planner import MotionPlanner
-from ictamp_drake.skills.base import OPEN, TIP, Refusal, hold, imagined, refusal
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
 from ictamp_drake.skills.geometry import held_bottom, placement_pose, raised
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
@@ -47,18 +46,18 @@ class Place:
 
         planner.set_configuration(c)
         q_place = planner.posture(X_WG, q, rng)
-        if isinstance(q_place, Failure):
-            return Refusal(q_place)
+        if isinstance(q_place, Refusal):
+            return q_place
         back = planner.straight(q_place, raised(X_WG, self._config.drop))
-        if back.trajectory is None:
-            return refusal(back)
+        if isinstance(back, Refusal):
+            return back
         transfer = planner.transfer(q, back.trajectory.end, rng)
-        if transfer.trajectory is None:
-            return refusal(transfer)
+        if isinstance(transfer, Refusal):
+            return transfer
         planner.set_configuration(imagined(c, q=q_place, width=OPEN.width, held=None, moved={box: to_pose(X_WO)}))
         retreat = planner.straight(q_place, raised(X_WG, above))
-        if retreat.trajectory is None:
-            return refusal(retreat)
+        if isinstance(retreat, Refusal):
+            return retreat
         return (
             transfer.trajectory.segment("transfer", c.gripper),
             back.trajectory.reversed().segment("lower", c.gripper),

@@ -12,9 +12,10 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, State
+from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.motion.planner import MotionConfig, MotionPlanner
-from ictamp_drake.skills.base import Refusal, Skill
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.skills.base import Skill
 from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import Pick, PickConfig
 from ictamp_drake.skills.place import Place, PlaceConfig
