@@ -15,3 +15,8 @@ def to_transform(pose: FloatArray) -> RigidTransform:
 def to_pose(X: RigidTransform) -> FloatArray:
     """Pose array of Drake's transform, shape (7,)."""
     return np.concatenate([X.rotation().ToQuaternion().wxyz(), X.translation()])
+
+
+def normalised(pose: FloatArray) -> FloatArray:
+    """The same pose with a quaternion of length one, which integration does not keep."""
+    return np.concatenate([pose[:4] / np.linalg.norm(pose[:4]), pose[4:]])

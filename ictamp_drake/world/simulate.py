@@ -16,6 +16,7 @@ from ictamp_drake.core.types import Configuration, Segment
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.build import add_scene, filter_flat_contacts
 from ictamp_drake.world.commands import desired_positions, feedforward
+from ictamp_drake.world.poses import normalised
 
 
 @dataclass(frozen=True)
@@ -180,7 +181,7 @@ class Physics:
     def configuration(self) -> Configuration:
         """The configuration at this moment; velocities are dropped."""
         plant, context = self._plant, self._context
-        poses = {n: plant.GetPositions(context, body.model_instance()) for n, body in self.bodies.boxes.items()}
+        poses = {n: normalised(plant.GetPositions(context, b.model_instance())) for n, b in self.bodies.boxes.items()}
         return Configuration(plant.GetPositions(context, self.bodies.arm), poses, self.gripped(), self._gripper)
 
     def gripped(self) -> str | None:
