@@ -1,0 +1,51 @@
+"""The live view: Meshcat shows what the planner is at, to this machine only."""
+
+from pydrake.geometry import Meshcat
+
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.viz.stage import PREFIX, Stage, start_meshcat
+
+
+class LiveView:
+    """One server for all problems of a run; prints its address when it starts.
+
+    Args:
+        port: on localhost; the first free one from 7000 on by default.
+
+    Raises:
+        IctampError: the port cannot be used.
+    """
+
+    def __init__(self, port: int | None = None) -> None:
+        self._meshcat: Meshcat = start_meshcat(port)
+        print(f"Live view at {self.url}", flush=True)
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return str(self._meshcat.web_url())
+
+    def listener(self, spec: SceneSpec) -> Listener:
+        """Show this scene from now on; the listener moves it with every low-level step."""
+        self._meshcat.Delete(PREFIX)
+        stage = Stage(spec, self._meshcat)
+
+        def listen(event: Event) -> None:
+            c = configuration(event)
+            if c is not None:
+                stage.show(c)
+
+        return listen
+
+
+def configuration(event: Event) -> Configuration | None:
+    """What there is to see at an event: where a step starts, then where it ends; None leaves the view as it is."""
+    match event:
+        case StepStarted(node=node) | Verified(node=node):
+            return node.c
+        case StepDone(attempt=attempt):
+            return attempt.successor
+        case PlanOpened():
+            return None

@@ -1,0 +1,139 @@
+"""A scene on a Meshcat server of this machine: what the live view and the replay share."""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, MeshcatVisualizerParams, Role
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.planning import RobotDiagramBuilder
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
+from ictamp_drake.world.build import add_scene
+from ictamp_drake.world.poses import to_transform
+
+PREFIX = "/scene"
+"""Where the scene is in Meshcat's tree."""
+
+PORTS = (1024, 65535)
+
+FIELD_OF_VIEW = 38.0
+"""Vertical, of the camera [deg]."""
+
+DIRECTION = np.array([0.80, -0.46, 0.38])
+"""From the scene to the camera in the arm's base frame B, a unit vector."""
+
+ARM_HEIGHT = 0.6
+"""Of the part of the arm that should be in the picture [m]."""
+
+BACKGROUND = ((0.95, 0.96, 0.98), (0.80, 0.84, 0.89))
+"""Colours of the top and bottom of the background."""
+
+_LAMP = "/Lights/SpotLight"
+
+LOOK: tuple[tuple[str, str, Any], ...] = (
+    ("/Grid", "visible", False),
+    ("/Axes", "visible", False),
+    ("/Background", "top_color", BACKGROUND[0]),
+    ("/Background", "bottom_color", BACKGROUND[1]),
+    (_LAMP, "visible", True),
+    (f"{_LAMP}/<object>", "position", [1.2, 1.2, 2.4]),
+    (f"{_LAMP}/<object>", "castShadow", True),
+    (f"{_LAMP}/<object>", "shadow.normalBias", 0.02),
+    (f"{_LAMP}/<object>", "shadow.radius", 4.0),
+    (f"{_LAMP}/<object>", "intensity", 16.0),
+    ("/Lights/PointLightNegativeX/<object>", "intensity", 3.0),
+    ("/Lights/PointLightPositiveX/<object>", "intensity", 3.0),
+    ("/Lights/AmbientLight/<object>", "intensity", 0.5),
+    ("/Lights/FillLight/<object>", "intensity", 0.4),
+)
+"""Light and background of Meshcat: path, property, value."""
+
+
+def start_meshcat(port: int | None = None) -> Meshcat:
+    """A server that only this machine can reach, at the port or else the first free one from 7000 on.
+
+    Raises:
+        IctampError: the port is out of range or taken.
+    """
+    if port is not None and not PORTS[0] <= port <= PORTS[1]:
+        raise IctampError(f"port is {port}, but must be from {PORTS[0]} to {PORTS[1]}")
+    try:
+        with _quiet_drake():
+            meshcat = Meshcat(MeshcatParams(host="localhost", port=port, show_stats_plot=False))
+    except RuntimeError as error:
+        raise IctampError(f"port {port or '7000 to 7999'} of localhost is taken") from error
+    for path, name, value in LOOK:
+        meshcat.SetProperty(path, name, value)
+    meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW))
+    return meshcat
+
+
+@contextmanager
+def _quiet_drake() -> Iterator[None]:
+    """Drake announces every server, also those that nobody is to look at."""
+    logger = logging.getLogger("drake")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+def viewpoint(spec: SceneSpec) -> tuple[FloatArray, FloatArray]:
+    """Where to look from and at, in W [m], shape (3,) each: from the arm's front right, far enough to see it all."""
+    towards = RotationMatrix.MakeZRotation(np.deg2rad(spec.arm.yaw)) @ DIRECTION
+    corners = [_corners(support) for support in spec.supports.values()]
+    base = np.array(spec.arm.position)
+    points = np.vstack([*corners, base, base + [0.0, 0.0, ARM_HEIGHT]])
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius = np.linalg.norm(np.ptp(points, axis=0)) / 2
+    return centre + towards * radius / np.tan(np.deg2rad(FIELD_OF_VIEW / 2)), centre
+
+
+def _corners(support: SupportSpec) -> FloatArray:
+    """Of the top face in W [m], shape (4, 3)."""
+    x, y = support.size[0] / 2, support.size[1] / 2
+    X_WT = to_transform(support.X_WT)
+    return np.array([X_WT @ np.array(p_TC) for p_TC in ((x, y, 0), (x, -y, 0), (-x, y, 0), (-x, -y, 0))])
+
+
+class Stage:
+    """The bodies of a scene in Meshcat, as they look (not as they collide)."""
+
+    def __init__(self, spec: SceneSpec, meshcat: Meshcat) -> None:
+        builder = RobotDiagramBuilder(time_step=0.0)
+        self._bodies = add_scene(builder.plant(), spec)
+        builder.plant().Finalize()
+        parameters = MeshcatVisualizerParams(role=Role.kIllustration, prefix=PREFIX)
+        MeshcatVisualizer.AddToBuilder(builder.builder(), builder.scene_graph(), meshcat, parameters)
+        self._diagram = builder.Build()
+        self._context = self._diagram.CreateDefaultContext()
+        self._plant = self._diagram.plant()
+        self._plant_context = self._plant.GetMyMutableContextFromRoot(self._context)
+        meshcat.SetCameraPose(*viewpoint(spec))
+
+    def show(self, c: Configuration) -> None:
+        """Move the bodies in Meshcat to where they are in c."""
+        self._set(c)
+        self._diagram.ForcedPublish(self._context)
+
+    def poses(self, c: Configuration) -> dict[str, RigidTransform]:
+        """X_WB in c of every body that can move, by its path in Meshcat."""
+        self._set(c)
+        instances = [self._bodies.arm, *(body.model_instance() for body in self._bodies.boxes.values())]
+        bodies = [self._plant.get_body(i) for instance in instances for i in self._plant.GetBodyIndices(instance)]
+        return {
+            f"{PREFIX}/{body.scoped_name()}".replace("::", "/"): body.EvalPoseInWorld(self._plant_context)
+            for body in bodies
+        }
+
+    def _set(self, c: Configuration) -> None:
+        self._plant.SetPositions(self._plant_context, self._bodies.arm, c.q)
+        for name, body in self._bodies.boxes.items():
+            self._plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
