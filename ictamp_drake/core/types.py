@@ -124,6 +124,9 @@ class Configuration:
     def __hash__(self) -> int:
         return hash(self._key())
 
+    def __reduce__(self) -> tuple[type["Configuration"], tuple[object, ...]]:
+        return Configuration, (self.q, self.poses, self.held, self.gripper)  # arrays lose their write protection else
+
 
 @dataclass(frozen=True, eq=False)
 class Segment:
