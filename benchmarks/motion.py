@@ -1,0 +1,122 @@
+"""Computing time of motion planning: `python benchmarks/motion.py`.
+
+Picks the highest box of every packing problem and carries it over to above the rack, and then repeats transfers close
+above the table among tall boxes, where the first guess fails. One process and one thread; its processor time, which
+other processes disturb less than wall-clock time.
+"""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+from pydrake.math import RigidTransform, RotationMatrix
+from rich.console import Console
+from rich.table import Table
+
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.motion.planner import MotionPlanner, Planned, Refusal
+from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
+from ictamp_drake.world.world import World
+
+T = TypeVar("T")
+DOWN = RotationMatrix.MakeXRotation(np.pi)
+LIFT = np.array([0.0, 0.0, 0.06])
+
+
+class Clock:
+    """Milliseconds by stage."""
+
+    def __init__(self) -> None:
+        self.samples: dict[str, list[float]] = defaultdict(list)
+
+    def time(self, name: str | Callable[[T], str], call: Callable[[], T]) -> T:
+        """The call's result; its time is kept under a name, which may depend on the result."""
+        start = time.process_time()
+        result = call()
+        milliseconds = 1e3 * (time.process_time() - start)
+        self.samples[name if isinstance(name, str) else name(result)].append(milliseconds)
+        return result
+
+
+def stage(result: Planned | Refusal) -> str:
+    """The row of the table that a transfer belongs to."""
+    return f"transfer: {result.stage}" if isinstance(result, Planned) else f"transfer: {result.failure}"
+
+
+def grasp(c: Configuration, box: str, size: FloatArray, q: FloatArray) -> Configuration:
+    """c with the box in the hand."""
+    return Configuration(np.append(q, [size[1] / 2] * 2), c.poses, box)
+
+
+def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None:
+    """The motions of a pick and of the transfer after it, each timed."""
+    planner, c = MotionPlanner(world), world.initial_configuration()
+    box = max(c.poses, key=lambda name: c.poses[name][6])
+    size = world.upright(c, box).size
+    X_WG = world.upright(c, box).X_WU @ RigidTransform(DOWN, [0.0, 0.0, max(0.0, size[2] / 2 - 0.03)])
+    above = RigidTransform(X_WG.rotation(), X_WG.translation() + LIFT)
+    start = time.process_time()
+    clock.time("set configuration", lambda: planner.set_configuration(c))
+    q = clock.time("posture", lambda: planner.posture(X_WG, c.q[:7], rng))
+    if isinstance(q, Refusal):
+        return
+    back = clock.time("straight", lambda: planner.straight(q, above))
+    if isinstance(back, Refusal):
+        return
+    clock.time(stage, lambda: planner.transfer(c.q[:7], back.trajectory.end, rng))
+    held = grasp(c, box, size, q)
+    clock.time("set configuration, holding", lambda: planner.set_configuration(held))
+    lift = clock.time("straight, holding", lambda: planner.straight(q, above))
+    clock.samples["whole pick"].append(1e3 * (time.process_time() - start))
+    X_WG2 = RigidTransform(X_WG.rotation(), np.array([*world.spec.supports["rack"].position[:2], 0.4]))
+    q2 = clock.time("posture", lambda: planner.posture(X_WG2, q, rng))
+    if isinstance(lift, Planned) and not isinstance(q2, Refusal):
+        clock.time(stage, lambda: planner.transfer(lift.trajectory.end, q2, rng))
+
+
+def forest(spec: SceneSpec, rng: np.random.Generator) -> SceneSpec:
+    """The scene with seven tall boxes instead of its own."""
+    boxes: dict[str, BoxSpec] = {}
+    while len(boxes) < 7:
+        x, y, height = rng.uniform(0.35, 0.65), rng.uniform(-0.15, 0.4), rng.choice([0.12, 0.24, 0.36])
+        if all(np.hypot(x - box.position[0], y - box.position[1]) > 0.13 for box in boxes.values()):
+            boxes[f"box_{len(boxes)}"] = BoxSpec(size=(0.05, 0.05, height), position=(x, y, height / 2))
+    return replace(spec, boxes=boxes, goal="(on box_0 rack)")
+
+
+def cross_forest(world: World, clock: Clock, rng: np.random.Generator) -> None:
+    """Transfers among tall boxes."""
+    planner = MotionPlanner(world)
+    qs: list[FloatArray] = []
+    while len(qs) < 7:
+        place = RigidTransform(DOWN, rng.uniform([0.3, -0.15, 0.06], [0.7, 0.4, 0.25]))
+        q = planner.posture(place, planner.kinematics.comfortable(place), rng)
+        if not isinstance(q, Refusal):
+            qs.append(q)
+    for q0, q1 in pairwise(qs):
+        clock.time(lambda result: f"forest, {stage(result)}", partial(planner.transfer, q0, q1, rng))
+
+
+def main() -> None:
+    """Print one row a stage."""
+    clock, rng = Clock(), np.random.default_rng(0)
+    files = [file for level in ("easy", "medium", "hard") for file in problem_files(level)]
+    for file in files:
+        pick_and_carry(World(load_scene(file)), clock, rng)
+    for _ in range(10):
+        cross_forest(World(forest(load_scene(files[0]), rng)), clock, rng)
+    table = Table("stage", "calls", "median [ms]", "90 % [ms]", "max [ms]")
+    for name, times in sorted(clock.samples.items()):
+        quantiles = np.quantile(times, [0.5, 0.9, 1.0])
+        table.add_row(name, str(len(times)), *(f"{value:.1f}" for value in quantiles))
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,115 @@
+import numpy as np
+import pytest
+from pydrake.math import RigidTransform, RotationMatrix
+
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.motion.collision import CollisionScene
+from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
+from ictamp_drake.world.world import World
+
+ARM = ArmKinematics(RigidTransform())
+UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
+
+
+@pytest.fixture
+def scene(world: World) -> CollisionScene:
+    return CollisionScene(world)
+
+
+def reach(X_WG: RigidTransform) -> np.ndarray:
+    q = ARM.solve(X_WG, HOME, np.random.default_rng(0), attempts=20)
+    assert q is not None
+    return q
+
+
+def test_agrees_with_plain_queries(world: World, scene: CollisionScene, overlaps) -> None:
+    c = world.initial_configuration()
+    rng = np.random.default_rng(1)
+    free = 0
+    for q in np.clip(HOME + rng.uniform(-1.3, 1.3, (150, 7)), LOWER, UPPER):
+        depths = overlaps(world, c, q)
+        assert scene.is_free(q) == (not depths)
+        assert {frozenset(contact[:2]) for contact in scene.contacts(q)} == set(depths)
+        free += not depths
+    assert 20 < free < 130
+
+
+def test_held_box_moves_with_the_hand(world: World, scene: CollisionScene, down, holding, overlaps) -> None:
+    c = holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0.0, 0.0, 0.03]))
+    rng = np.random.default_rng(2)
+    differs = 0
+    for x, y, z in rng.uniform([0.42, 0.0, 0.25], [0.58, 0.2, 0.4], (60, 3)):
+        q = reach(down(x, y, z))
+        scene.set_configuration(c)
+        depths = overlaps(world, c, q)
+        held_free = scene.is_free(q)
+        if not depths or max(depths.values()) > 2e-3:  # the held box counts as 1 mm smaller
+            assert held_free == (not depths)
+        empty = Configuration(c.q, {**c.poses, "blue_box": world.initial_configuration().poses["blue_box"]})
+        scene.set_configuration(empty)
+        differs += scene.is_free(q) and not held_free
+    assert differs > 5
+
+
+def test_box_that_rests_and_is_held_collides_only_deeper(scene: CollisionScene, down, holding) -> None:
+    q = reach(down(0.5, 0.3, 0.07))
+    scene.set_configuration(holding(q, "blue_box", RigidTransform([0.5, 0.3, 0.053])))
+    assert scene.is_free(q)
+    assert str(scene.first_contact(reach(down(0.5, 0.3, 0.066))[None])) == "blue_box would touch table"
+
+
+def test_place_that_the_held_box_left_is_empty(world: World, scene: CollisionScene, down, holding) -> None:
+    q = reach(down(0.5, 0.3, 0.04, 0.5))
+    scene.set_configuration(holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0, 0, 0.2])))
+    contacts = scene.contacts(q)
+    assert "blue_box" not in {contact.other for contact in contacts}
+    scene.set_configuration(world.initial_configuration())
+    closed = Configuration(np.append(HOME, [0.0, 0.0]), world.initial_configuration().poses)
+    scene.set_configuration(closed)
+    assert "blue_box" in {contact.other for contact in scene.contacts(q)}
+
+
+def test_contacts_are_sentences_with_distances(scene: CollisionScene, down) -> None:
+    q = reach(down(0.4, -0.05, -0.02))
+    contact = scene.first_contact(np.array([HOME, q]))
+    assert contact is not None
+    assert contact.other == "table"
+    assert contact.distance < -0.015
+    assert str(contact) == f"{contact.moving} would touch table"
+    assert scene.first_contact(HOME[None]) is None
+
+
+def test_padding_is_kept_from_the_scene(scene: CollisionScene, down) -> None:
+    q = reach(down(0.4, -0.05, 0.03))
+    clearance = scene.clearance(q, 0.1)
+    assert 0.015 < clearance < 0.025
+    assert scene.is_free(q, padding=clearance - 1e-3)
+    assert not scene.is_free(q, padding=clearance + 1e-3)
+    assert scene.is_free(HOME, padding=0.05)  # parts of the arm need not keep it from each other
+    assert scene.clearance(q, 0.01) == 0.01
+
+
+def test_all_must_be_free(scene: CollisionScene, down) -> None:
+    colliding = reach(down(0.4, -0.05, -0.02))
+    for index in range(5):
+        qs = np.tile(HOME, (5, 1))
+        assert scene.are_free(qs)
+        qs[index] = colliding
+        assert not scene.are_free(qs)
+
+
+def test_gradients_are_derivatives_of_the_distances(scene: CollisionScene, down, holding) -> None:
+    scene.set_configuration(
+        holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0.0, 0.0, 0.03]))
+    )
+    q = reach(down(0.42, 0.03, 0.3))
+    rng = np.random.default_rng(3)
+    found = scene.clearance_gradients(q, 0.2)
+    nearest, gradient = min(found, key=lambda item: item[0])
+    assert nearest == pytest.approx(scene.clearance(q, 0.2))
+    assert np.linalg.norm(gradient) > 0.05
+    for direction in rng.normal(size=(5, 7)):
+        step = 1e-5 * direction
+        slope = (scene.clearance(q + step, 0.2) - scene.clearance(q - step, 0.2)) / 2
+        assert slope == pytest.approx(gradient @ step, abs=2e-7)

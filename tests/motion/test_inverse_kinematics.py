@@ -1,0 +1,106 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydrake.math import RigidTransform, RollPitchYaw
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
+from ictamp_drake.world.world import World
+
+ARM = ArmKinematics(RigidTransform())
+shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7).map(np.array)
+
+
+def rng() -> np.random.Generator:
+    return np.random.default_rng(0)
+
+
+def error(X_WG: RigidTransform, X_WH: RigidTransform) -> tuple[float, float]:
+    X_GH = X_WG.inverse() @ X_WH
+    return float(np.linalg.norm(X_GH.translation())), float(X_GH.rotation().ToAngleAxis().angle())
+
+
+@given(shares, st.lists(st.floats(-0.1, 0.1), min_size=7, max_size=7).map(np.array))
+def test_solution_brings_the_hand_where_forward_kinematics_says(share: FloatArray, offset: FloatArray) -> None:
+    q = ARM.lower + share * (ARM.upper - ARM.lower)
+    X_WG = ARM.forward(q)
+    solution = ARM.solve(X_WG, q + offset, rng())
+    assert solution is not None
+    distance, angle = error(X_WG, ARM.forward(solution))
+    assert distance < 2e-4
+    assert angle < 1.1e-3
+    assert np.all(solution >= ARM.lower)
+    assert np.all(solution <= ARM.upper)
+
+
+@given(shares)
+def test_every_pose_of_the_arm_counts_as_within_reach(share: FloatArray) -> None:
+    assert ARM.may_reach(ARM.forward(LOWER + share * (UPPER - LOWER)))
+
+
+def test_far_pose_is_refused_without_a_search(down) -> None:
+    assert not ARM.may_reach(down(1.2, 0.0, 0.1))
+    assert ARM.solve(down(1.2, 0.0, 0.1), HOME, rng()) is None
+
+
+def test_forward_kinematics_is_that_of_the_scene(world: World) -> None:
+    c = world.initial_configuration()
+    world.set_configuration(c)
+    X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
+    assert ARM.forward(c.q[:7]).IsNearlyEqualTo(X_WG, 1e-12)
+
+
+def test_base_moves_the_solution_along(down) -> None:
+    X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.3, -0.2, 0.1])
+    q = ArmKinematics(X_WB).solve(X_WB @ down(0.5, 0.1, 0.2), HOME, rng())
+    np.testing.assert_allclose(q, ARM.solve(down(0.5, 0.1, 0.2), HOME, rng()), atol=1e-4)
+
+
+def test_restarts_until_a_solution_is_accepted(down) -> None:
+    seen: list[FloatArray] = []
+
+    def accept(q: FloatArray) -> bool:
+        seen.append(q)
+        return len(seen) == 3
+
+    q = ARM.solve(down(0.5, 0.1, 0.2), HOME, rng(), attempts=20, accept=accept)
+    assert len(seen) == 3
+    assert q is seen[-1]
+    assert ARM.solve(down(0.5, 0.1, 0.2), HOME, rng(), accept=lambda _: False) is None
+
+
+def test_same_generator_gives_the_same_solution(down) -> None:
+    calls: list[list[FloatArray]] = [[], []]
+    for seen in calls:
+        ARM.solve(down(0.4, 0.2, 0.3), HOME, rng(), accept=lambda q, seen=seen: seen.append(q))
+    assert len(calls[0]) > 1
+    np.testing.assert_array_equal(*calls)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.6])
+def test_line_is_straight_and_turns_evenly(down, yaw: float) -> None:
+    q0 = ARM.solve(down(0.5, 0.0, 0.1), HOME, rng())
+    X_WG0, X_WG1 = ARM.forward(q0), down(0.55, 0.05, 0.25, yaw)
+    path = ARM.line(q0, X_WG1)
+    assert path is not None
+    np.testing.assert_array_equal(path[0], q0)
+    assert max(error(X_WG1, ARM.forward(path[-1]))) < 3e-4
+    for share, q in zip(np.linspace(0, 1, len(path)), path, strict=True):
+        X_WG = ARM.forward(q)
+        on_line = (1 - share) * X_WG0.translation() + share * X_WG1.translation()
+        np.testing.assert_allclose(X_WG.translation(), on_line, atol=2e-4)
+        assert error(X_WG0, X_WG)[1] == pytest.approx(share * error(X_WG0, X_WG1)[1], abs=2e-3)
+
+
+def test_line_that_leaves_the_reach_is_none(down) -> None:
+    q0 = ARM.solve(down(0.5, 0.0, 0.1), HOME, rng())
+    assert ARM.line(q0, down(1.1, 0.0, 0.1)) is None
+
+
+def test_line_that_starts_at_its_end_stays(down) -> None:
+    q0 = ARM.solve(down(0.5, 0.0, 0.1), HOME, rng())
+    path = ARM.line(q0, ARM.forward(q0))
+    assert path is not None
+    np.testing.assert_allclose(path, np.tile(q0, (len(path), 1)))

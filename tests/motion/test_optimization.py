@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.constants import ARM_LIMITS, HOME
+from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
+from ictamp_drake.motion.optimization import HalfSpace, TrajectoryConfig, TrajectoryOptimizer
+from ictamp_drake.motion.trajectory import Trajectory
+
+OPTIMIZER = TrajectoryOptimizer()
+shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7).map(np.array)
+STEPS = np.array([[0.0] * 7, [0.5, 0.3, 0, 0.4, 0, 0.2, 0.3], [0.9, -0.2, 0.1, 0.1, 0.3, 0, 0.8]])
+
+
+def check_limits(trajectory: Trajectory, config: TrajectoryConfig) -> FloatArray:
+    """The largest used part of each limit."""
+    times = np.linspace(0.0, trajectory.duration, 2000)
+    limits = np.array(ARM_LIMITS)
+    qs = trajectory.positions(times)
+    assert np.all(qs >= limits[:, 0] - 1e-9)
+    assert np.all(qs <= limits[:, 1] + 1e-9)
+    used = [np.abs(trajectory.derivatives(times, i)).max(axis=0) / limits[:, 1 + i] for i in (1, 2, 3)]
+    parts = np.array(used) / np.array([config.velocity, config.acceleration, config.jerk])[:, None]
+    assert parts.max() <= 1 + 1e-9
+    return parts
+
+
+def check_rest(trajectory: Trajectory) -> None:
+    for order in (1, 2):
+        ends = trajectory.derivatives(np.array([0.0, trajectory.duration]), order)
+        np.testing.assert_allclose(ends, 0.0, atol=1e-6)
+
+
+@settings(max_examples=40)
+@given(shares, shares)
+def test_free_obeys_the_limits_and_ends_at_rest(share0: FloatArray, share1: FloatArray) -> None:
+    q0, q1 = (LOWER + share * (UPPER - LOWER) for share in (share0, share1))
+    trajectory = OPTIMIZER.free(q0, q1)
+    np.testing.assert_allclose([trajectory.start, trajectory.end], [q0, q1])
+    check_rest(trajectory)
+    check_limits(trajectory, OPTIMIZER.config)
+
+
+def test_free_uses_the_limits() -> None:
+    trajectory = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    assert check_limits(trajectory, OPTIMIZER.config).max(axis=1).max() > 0.9
+
+
+def test_slower_configuration_takes_longer() -> None:
+    slow = TrajectoryConfig(velocity=0.1, acceleration=0.1)
+    trajectory = TrajectoryOptimizer(slow).free(HOME, HOME + STEPS[2])
+    check_limits(trajectory, slow)
+    assert trajectory.duration > 2 * OPTIMIZER.free(HOME, HOME + STEPS[2]).duration
+
+
+def test_nowhere_to_go_takes_almost_no_time() -> None:
+    trajectory = OPTIMIZER.free(HOME, HOME)
+    assert 0 < trajectory.duration < 0.01
+    np.testing.assert_allclose(trajectory.positions(np.array([0.0, trajectory.duration])), [HOME, HOME])
+
+
+@pytest.mark.parametrize(("radius", "points"), [(0.02, 30), (0.1, 18), (0.3, 14)])
+def test_along_stays_in_the_corridor(radius: float, points: int) -> None:
+    path = HOME + STEPS
+    trajectory = OPTIMIZER.along(path, radius, points)
+    check_rest(trajectory)
+    check_limits(trajectory, OPTIMIZER.config)
+    shares = np.linspace(0, 1, 500)[:, None]
+    dense = np.vstack([path[0] + shares * (path[1] - path[0]), path[1] + shares * (path[2] - path[1])])
+    distances = [np.abs(dense - point).max(axis=1).min() for point in trajectory.control_points]
+    assert max(distances) <= radius + 2e-3
+
+
+def test_wider_corridor_is_not_slower() -> None:
+    durations = [OPTIMIZER.along(HOME + STEPS, radius, 14).duration for radius in (0.01, 0.1, 0.5)]
+    assert durations[0] > durations[1] > durations[2]
+
+
+def test_around_meets_demands_that_the_trajectory_did_not() -> None:
+    trajectory = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    normal = np.eye(7)[3]
+    middle = np.array([trajectory.duration / 2])
+    offset = float(trajectory.positions(middle)[0, 3]) + 0.1
+    moved = OPTIMIZER.around(trajectory, 0.3, [HalfSpace(0.5, normal, offset)])
+    assert moved.positions(np.array([moved.duration / 2]))[0, 3] >= offset - 1e-5
+    np.testing.assert_allclose([moved.start, moved.end], [trajectory.start, trajectory.end])
+    check_rest(moved)
+    check_limits(moved, OPTIMIZER.config)
+    again = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    np.testing.assert_array_equal(again.control_points, trajectory.control_points)  # the demand is forgotten
+
+
+def test_demands_out_of_reach_leave_a_valid_trajectory() -> None:
+    trajectory = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    moved = OPTIMIZER.around(trajectory, 0.05, [HalfSpace(0.5, np.eye(7)[0], 50.0)])
+    assert np.abs(moved.control_points - trajectory.control_points).max() <= 0.05 + 1e-9
+    check_limits(moved, OPTIMIZER.config)
+
+
+def test_history_does_not_change_the_result() -> None:
+    fresh = TrajectoryOptimizer().free(HOME, HOME + STEPS[1])
+    used = TrajectoryOptimizer()
+    used.free(HOME + STEPS[2], HOME)
+    used.along(HOME + STEPS, 0.1, 14)
+    np.testing.assert_array_equal(used.free(HOME, HOME + STEPS[1]).control_points, fresh.control_points)

@@ -1,0 +1,60 @@
+from itertools import pairwise
+
+import numpy as np
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.motion.paths import PathConfig, find_path
+
+LIMITS = (np.full(7, -2.0), np.full(7, 2.0))
+START, END = np.array([-1.0, *[0.0] * 6]), np.array([1.0, *[0.0] * 6])
+
+
+def wall(q: FloatArray, shrunk: float = 0.0) -> bool:
+    """Free outside a wall across the first axis, with a way round it along the second one."""
+    return not (abs(q[0]) < 0.3 - shrunk and q[1] < 0.4 - shrunk)
+
+
+def find(seed: int = 0, **changes: float) -> FloatArray | None:
+    config = PathConfig(**changes)  # type: ignore[arg-type]
+    return find_path(START, END, wall, limits=LIMITS, rng=np.random.default_rng(seed), config=config)
+
+
+def test_path_leads_round_the_wall() -> None:
+    for seed in range(5):
+        path = find(seed)
+        assert path is not None
+        np.testing.assert_allclose(path[[0, -1]], [START, END])
+        assert np.all(path >= LIMITS[0])
+        assert np.all(path <= LIMITS[1])
+        shares = np.linspace(0, 1, 200)[:, None]
+        dense = np.vstack([a + shares * (b - a) for a, b in pairwise(path)])
+        assert all(wall(q, shrunk=0.05) for q in dense)  # edges are checked that finely
+
+
+def test_same_seed_gives_the_same_path_whatever_came_before() -> None:
+    first, other, again = find(3), find(4), find(3)
+    np.testing.assert_array_equal(first, again)
+    assert first is not None
+    assert other is not None
+    assert first.shape != other.shape or not np.allclose(first, other)
+
+
+def test_no_path_within_the_checks_is_none() -> None:
+    assert find(max_checks=10) is None
+    assert find(margin=0.2) is None  # the way round is farther out than that
+
+
+def test_straight_way_is_taken_when_it_is_free() -> None:
+    path = find_path(
+        START, END, lambda _: True, limits=LIMITS, rng=np.random.default_rng(0), config=PathConfig(shortcuts=100)
+    )
+    assert path is not None
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert length < 1.5 * np.linalg.norm(END - START)
+
+
+def test_ends_outside_the_limits_are_kept() -> None:
+    start = np.array([-2.1, *[0.0] * 6])
+    path = find_path(start, END, wall, limits=LIMITS, rng=np.random.default_rng(0), config=PathConfig())
+    assert path is not None
+    np.testing.assert_allclose(path[0], start)

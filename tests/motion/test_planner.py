@@ -1,0 +1,161 @@
+import numpy as np
+import pytest
+from pydrake.math import RigidTransform, RotationMatrix
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.motion.config import MotionConfig
+from ictamp_drake.motion.paths import PathConfig
+from ictamp_drake.motion.planner import MotionPlanner, Planned, Refusal
+from ictamp_drake.motion.trajectory import sample
+from ictamp_drake.world.world import World
+
+UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
+
+
+def rng() -> np.random.Generator:
+    return np.random.default_rng(0)
+
+
+def posture(planner: MotionPlanner, X_WG: RigidTransform) -> FloatArray:
+    q = planner.posture(X_WG, HOME, rng())
+    assert not isinstance(q, Refusal), q
+    return q
+
+
+def check_free(world: World, planner: MotionPlanner, c: Configuration, planned: Planned | Refusal, overlaps) -> Planned:
+    """Free of collisions at 5 mm and 0.01 rad, twice as fine as promised, in the eyes of plain queries."""
+    assert isinstance(planned, Planned), planned
+    for q in sample(planned.trajectory, planner.kinematics.forward, 0.005, 0.01):
+        assert max(overlaps(world, c, q).values(), default=0.0) < 1.5e-3  # the held box counts as 1 mm smaller
+    return planned
+
+
+def test_posture_is_free_of_collisions(planner: MotionPlanner, down) -> None:
+    assert planner.scene.is_free(posture(planner, down(0.5, 0.3, 0.08)))
+
+
+@pytest.mark.parametrize(
+    ("place", "failure", "detail"),
+    [
+        ((1.3, 0.0, 0.2), Failure.NO_INVERSE_KINEMATICS, ""),
+        ((0.5, 0.1, 0.2, 0.8), Failure.GOAL_IN_COLLISION, "would touch red_box"),
+    ],
+)
+def test_posture_says_why_there_is_none(planner: MotionPlanner, down, place, failure: Failure, detail: str) -> None:
+    refusal = planner.posture(down(*place), HOME, rng())
+    assert isinstance(refusal, Refusal)
+    assert refusal.failure is failure
+    assert detail in refusal.detail
+
+
+@pytest.mark.parametrize("ends", [((0.5, 0.3, 0.08), (0.5, 0.3, 0.2)), ((0.5, 0.3, 0.13), (0.4, 0.35, 0.3))])
+def test_straight_stays_straight(world: World, planner: MotionPlanner, down, overlaps, ends) -> None:
+    X_WG0, X_WG1 = (down(*end) for end in ends)
+    planned = planner.straight(posture(planner, X_WG0), X_WG1)
+    check_free(world, planner, world.initial_configuration(), planned, overlaps)
+    assert isinstance(planned, Planned)
+    p0, p1 = X_WG0.translation(), X_WG1.translation()
+    way = (p1 - p0) / np.linalg.norm(p1 - p0)
+    times = np.linspace(0.0, planned.trajectory.duration, 200)
+    for X_WG in map(planner.kinematics.forward, planned.trajectory.positions(times)):
+        offset = X_WG.translation() - p0
+        assert np.linalg.norm(offset - (offset @ way) * way) < 2e-3
+        assert (X_WG0.rotation().inverse() @ X_WG.rotation()).ToAngleAxis().angle() < 0.02
+    np.testing.assert_allclose(planner.kinematics.forward(planned.trajectory.end).translation(), p1, atol=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("ends", "failure", "detail"),
+    [
+        (((0.5, 0.3, 0.08), (1.2, 0.3, 0.08)), Failure.NO_INVERSE_KINEMATICS, "cannot follow the straight line"),
+        (((0.4, -0.05, 0.1), (0.4, -0.05, -0.02)), Failure.GOAL_IN_COLLISION, "would touch table"),
+        (((0.5, -0.1, 0.1), (0.5, 0.5, 0.1)), Failure.NO_PATH, "_box"),
+    ],
+)
+def test_straight_says_why_there_is_none(planner: MotionPlanner, down, ends, failure, detail: str) -> None:
+    refusal = planner.straight(posture(planner, down(*ends[0])), down(*ends[1]))
+    assert isinstance(refusal, Refusal)
+    assert refusal.failure is failure
+    assert detail in refusal.detail
+
+
+def test_transfer_takes_the_free_way(world: World, planner: MotionPlanner, down, overlaps) -> None:
+    q1 = posture(planner, down(0.5, 0.1, 0.35))
+    planned = check_free(world, planner, world.initial_configuration(), planner.transfer(HOME, q1, rng()), overlaps)
+    assert planned.stage == "free"
+    np.testing.assert_allclose([planned.trajectory.start, planned.trajectory.end], [HOME, q1])
+
+
+def test_transfer_passes_over_the_tower(world: World, planner: MotionPlanner, down, overlaps) -> None:
+    q0, q1 = posture(planner, down(0.5, -0.1, 0.08)), posture(planner, down(0.5, 0.3, 0.09))
+    planned = planner.transfer(q0, q1, rng())
+    assert check_free(world, planner, world.initial_configuration(), planned, overlaps).stage == "raised"
+
+
+@pytest.mark.parametrize("rounds", [0, 6])
+def test_transfer_finds_a_way_by_sampling(world: World, down, overlaps, rounds: int) -> None:
+    """The raised path is made useless by a height that the arm can't reach; what is too near is pushed away."""
+    corridors = ((0.3, 14), (0.1, 18), (0.03, 40)) if rounds == 0 else ((0.1, 14),)
+    planner = MotionPlanner(world, MotionConfig(rise=3.0, corridors=corridors, push_rounds=rounds))
+    q0, q1 = posture(planner, down(0.5, -0.1, 0.08)), posture(planner, down(0.5, 0.3, 0.09))
+    planned = planner.transfer(q0, q1, rng())
+    assert check_free(world, planner, world.initial_configuration(), planned, overlaps).stage in {"sampled", "pushed"}
+
+
+def test_held_box_makes_the_transfer_rise(world: World, planner: MotionPlanner, down, holding, overlaps) -> None:
+    q0, q1 = posture(planner, down(0.5, -0.1, 0.33)), posture(planner, down(0.5, 0.3, 0.33))
+    empty = planner.transfer(q0, q1, rng())
+    assert isinstance(empty, Planned)
+    X_WO = planner.kinematics.forward(q0) @ RigidTransform(UPSIDE_DOWN, [0.0, 0.0, 0.09])
+    c = holding(q0, "blue_box", X_WO)
+    planner.set_configuration(c)
+    full = check_free(world, planner, c, planner.transfer(q0, q1, rng()), overlaps)
+    tops = []
+    for trajectory in (empty.trajectory, full.trajectory):
+        qs = sample(trajectory, planner.kinematics.forward, 0.01, 0.02)
+        tops.append(max(planner.kinematics.forward(q).translation()[2] for q in qs))
+    assert tops[1] > max(tops[0], 0.254 + 0.09 + 0.053)
+
+
+@pytest.mark.parametrize(("blocked", "failure"), [(0, Failure.NO_PATH), (1, Failure.GOAL_IN_COLLISION)])
+def test_transfer_from_or_into_a_collision_is_refused(planner: MotionPlanner, down, blocked: int, failure) -> None:
+    colliding = planner.kinematics.solve(down(0.4, -0.05, -0.02), HOME, rng())
+    ends = [HOME, HOME]
+    ends[blocked] = colliding
+    refusal = planner.transfer(ends[0], ends[1], rng())
+    assert isinstance(refusal, Refusal)
+    assert refusal.failure is failure
+    assert "would touch table" in refusal.detail
+
+
+def test_transfer_without_a_way_is_refused(world: World, down) -> None:
+    planner = MotionPlanner(world, MotionConfig(rise=3.0, path=PathConfig(max_checks=5)))
+    q0, q1 = posture(planner, down(0.5, -0.1, 0.08)), posture(planner, down(0.5, 0.3, 0.09))
+    refusal = planner.transfer(q0, q1, rng())
+    assert isinstance(refusal, Refusal)
+    assert refusal.failure is Failure.NO_PATH
+    assert "would touch" in refusal.detail
+
+
+def test_same_request_gives_the_same_motion_whatever_came_before(world: World, down) -> None:
+    results = []
+    for detours in (0, 2):
+        planner = MotionPlanner(world, MotionConfig(rise=3.0))
+        q0, q1 = posture(planner, down(0.5, -0.1, 0.08)), posture(planner, down(0.5, 0.3, 0.09))
+        for seed in range(detours):
+            planner.transfer(q1, q0, np.random.default_rng(seed + 5))
+        planned = planner.transfer(q0, q1, rng())
+        assert isinstance(planned, Planned)
+        results.append(planned.trajectory)
+    np.testing.assert_array_equal(results[0].control_points, results[1].control_points)
+    np.testing.assert_array_equal(results[0].knots, results[1].knots)
+
+
+def test_seconds_are_given_by_stage(planner: MotionPlanner, down) -> None:
+    q = posture(planner, down(0.5, 0.1, 0.35))
+    planner.transfer(HOME, q, rng())
+    seconds = planner.stopwatch.take()
+    assert set(seconds) == {"inverse kinematics", "trajectory", "collision check"}
+    assert all(value > 0 for value in seconds.values())
