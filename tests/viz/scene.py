@@ -18,7 +18,7 @@ SPEC = SceneSpec(
     goal="(on red_box rack)",
 )
 
-DURATION = 2.0
+DURATION = 20.0
 """Of the motion [s]."""
 
 
@@ -35,4 +35,4 @@ def swing(share: float) -> Configuration:
 
 def recording() -> list[Frame]:
     """The motion at 30 Hz."""
-    return [Frame(time, swing(time / DURATION)) for time in np.linspace(0.0, DURATION, 61)]
+    return [Frame(time, swing(time / DURATION)) for time in np.linspace(0.0, DURATION, 601)]

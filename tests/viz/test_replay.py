@@ -23,6 +23,11 @@ MESHES = """(() => {
   viewer.scene_tree.find(["scene"]).object.traverse(part => { count += part.isMesh ? 1 : 0; });
   return count;
 })()"""
+MIDDLE = """name => {
+  const rows = [...document.querySelectorAll(".dg .property-name")];
+  const box = rows.find(row => row.textContent === name).getBoundingClientRect();
+  return [box.x + box.width / 2, box.y + box.height / 2];
+}"""
 PIXEL = """(() => {
   const part = viewer.scene_tree.find(PATH).object;
   const p = new MeshCat.THREE.Vector3().setFromMatrixPosition(part.matrixWorld).project(viewer.camera);
@@ -102,9 +107,9 @@ def caption(browser: Chromium) -> str:
 
 
 def control(browser: Chromium, name: str) -> tuple[float, float]:
-    """The middle of a row of Meshcat's controls."""
-    row = f"[...document.querySelectorAll('.dg .property-name')].find(row => row.textContent === '{name}')"
-    x, y = browser.run(f"(box => [box.x + box.width / 2, box.y + box.height / 2])({row}.getBoundingClientRect())")
+    """The middle of a row of Meshcat's controls, which must be in sight."""
+    x, y = browser.run(f"({MIDDLE})({json.dumps(name)})")
+    assert browser.run(f"document.elementFromPoint({x}, {y}).textContent") == name
     return x, y
 
 
@@ -113,6 +118,7 @@ def test_the_page_plays_by_itself_and_its_buttons_are_at_hand(browser: Chromium)
     browser.wait_until("viewer.animator.time > 0.1")
     browser.click(*control(browser, "pause"))
     browser.wait_until("!viewer.animator.playing")
+    assert browser.run("viewer.animator.time") < DURATION
     browser.click(*control(browser, "reset"))
     browser.wait_until("viewer.animator.time === 0")
     x, y = control(browser, "time")
