@@ -169,8 +169,6 @@ class Planner(Generic[C]):
         return child
 
     def _is_verified(self, node: Node[C]) -> bool:
-        if node.index in self.tree.candidates:
-            return False
         path = self.tree.path(node.index)
         self._finished.append(node.index)
         with self._timed("verification"):
