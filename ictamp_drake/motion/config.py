@@ -34,7 +34,7 @@ class MotionConfig:
     turn: float = 0.02
     padding: float = 0.005
     held_shrinkage: float = 0.001
-    line_radius: float = 0.003
+    line_radius: float = 0.0025
     rise: float = 0.03
     hand_width: float = 0.11
     corridors: tuple[tuple[float, int], ...] = ((0.2, 14), (0.1, 18))

@@ -1,6 +1,9 @@
+import subprocess
+import sys
 from itertools import pairwise
 
 import numpy as np
+import pytest
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.paths import PathConfig, find_path
@@ -58,3 +61,26 @@ def test_ends_outside_the_limits_are_kept() -> None:
     path = find_path(start, END, wall, limits=LIMITS, rng=np.random.default_rng(0), config=PathConfig())
     assert path is not None
     np.testing.assert_allclose(path[0], start)
+
+
+def test_interrupt_passes_through_the_library() -> None:
+    def interrupted(_: FloatArray) -> bool:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        find_path(START, END, interrupted, limits=LIMITS, rng=np.random.default_rng(0), config=PathConfig())
+
+
+def test_library_leaves_nothing_behind() -> None:
+    """Its objects are counted when the interpreter ends, and what was never freed is reported there."""
+    program = f"""
+import numpy as np
+from ictamp_drake.motion.paths import PathConfig, find_path
+limits = np.full(7, -2.0), np.full(7, 2.0)
+for seed in range(3):
+    rng = np.random.default_rng(seed)
+    find_path(np.array({START.tolist()}), np.array({END.tolist()}), lambda q: True, limits=limits, rng=rng,
+              config=PathConfig())
+"""
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert result.stdout + result.stderr == ""
