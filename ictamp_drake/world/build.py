@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, Role, SceneGraph
+from pydrake.geometry import Box, CollisionFilterDeclaration, GeometryId, GeometrySet, Role, SceneGraph
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
@@ -15,6 +15,10 @@ from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
 
 PANDA_URL = "package://ictamp_drake/sdf/panda.sdf"
+
+SKIN = 5e-5
+"""How much smaller boxes are in queries than they are, on every side [m]: faces that touch within 1e-7 m make the
+narrow phase fail or return directions at random, and resting boxes ought to be apart."""
 
 SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
@@ -69,6 +73,16 @@ def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> Non
         scene_graph.RemoveRole(source, geometry, Role.kProximity)
 
 
+def shrink_boxes(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
+    """Make the boxes smaller by `SKIN`."""
+    inspector = scene_graph.model_inspector()
+    for body in bodies.boxes.values():
+        for geometry in plant.GetCollisionGeometriesForBody(body):
+            shape = inspector.GetShape(geometry)
+            if isinstance(shape, Box):
+                scene_graph.ChangeShape(plant.get_source_id(), geometry, Box(shape.size() - 2 * SKIN))
+
+
 def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
     """Let flat faces touch at contact points only.
 
@@ -106,4 +120,5 @@ def build_kinematic(spec: SceneSpec) -> tuple[RobotDiagram, SceneBodies]:
     bodies = add_scene(builder.plant(), spec)
     builder.plant().Finalize()
     remove_contact_points(builder.plant(), builder.scene_graph())
+    shrink_boxes(builder.plant(), builder.scene_graph(), bodies)
     return builder.Build(), bodies

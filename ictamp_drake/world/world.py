@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.world.build import build_kinematic
+from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright
 from ictamp_drake.world.poses import to_transform
 
@@ -74,10 +74,13 @@ class World:
         """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""
         self.set_configuration(c)
         query = self._query_port.Eval(self._query_context)
-        return [
-            Touch(self._names[pair.id_A], self._names[pair.id_B], pair.distance, pair.nhat_BA_W)
-            for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance)
-        ]
+        found = []
+        for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance + 2 * SKIN):
+            a, b = self._names[pair.id_A], self._names[pair.id_B]
+            distance = pair.distance - SKIN * ((a in self.sizes) + (b in self.sizes))
+            if distance <= tolerance:
+                found.append(Touch(a, b, distance, pair.nhat_BA_W))
+        return found
 
     def upright(self, c: Configuration, box: str) -> Upright:
         """The box as it lies in c."""
