@@ -15,7 +15,7 @@ DARK: Colour = (0.15, 0.15, 0.16)
 LIMB = 0.055
 """Radius of the upper limbs [m]."""
 RING = LIMB + 0.0012
-"""Radius of the dark discs that close them [m]."""
+"""Radius of the dark discs that close them, half a millimetre beyond their flat ends [m]."""
 _ALONG_Y = (math.pi / 2, 0.0, 0.0)
 
 
@@ -33,7 +33,7 @@ def _standing(body: Distance) -> Distance:
     """The part of the body above z = 0."""
 
     def distance(points: FloatArray) -> FloatArray:
-        return intersect(body(points), -points[:, 2], 0.003)
+        return intersect(body(points), -points[:, 2], 0.016)
 
     return distance
 
@@ -66,21 +66,21 @@ LINKS: dict[str, Look] = {
         (-0.065, -0.13, -0.192),
         (0.065, 0.065, 0.065),
         0.0078,
-        ((Shape("ring", "cylinder", (RING, 0.006), (0.0, -0.003, 0.0), _ALONG_Y), DARK),),
+        ((Shape("ring", "cylinder", (RING, 0.006), (0.0, -0.0025, 0.0), _ALONG_Y), DARK),),
     ),
     "panda_link2": Look(
         blend((dome((0, -0.194, 0), (0, -0.045, 0), LIMB), dome((0, 0, 0), (0, 0, 0.129), LIMB)), 0.03),
         (-0.065, -0.194, -0.065),
         (0.065, 0.065, 0.13),
         0.0078,
-        ((Shape("ring", "cylinder", (RING, 0.006), (0.0, -0.191, 0.0), _ALONG_Y), DARK),),
+        ((Shape("ring", "cylinder", (RING, 0.006), (0.0, -0.1915, 0.0), _ALONG_Y), DARK),),
     ),
     "panda_link3": Look(
         blend((dome((0, 0, -0.121), (0, 0, -0.005), LIMB), dome((0.0825, 0, 0), (0.0825, 0.111, 0), LIMB)), 0.04),
         (-0.065, -0.065, -0.122),
         (0.145, 0.115, 0.065),
         0.0078,
-        ((Shape("ring", "cylinder", (RING, 0.006), (0.0825, 0.003, 0.0), _ALONG_Y), DARK),),
+        ((Shape("ring", "cylinder", (RING, 0.006), (0.0825, 0.0025, 0.0), _ALONG_Y), DARK),),
     ),
     "panda_link4": Look(
         blend((dome((-0.0825, 0.124, 0), (-0.0825, 0.005, 0), LIMB), dome((0, 0, 0), (0, 0, 0.111), LIMB)), 0.04),
@@ -101,7 +101,7 @@ LINKS: dict[str, Look] = {
         (-0.07, -0.07, -0.26),
         (0.07, 0.14, 0.06),
         0.0078,
-        ((Shape("ring", "cylinder", (0.0485, 0.006), (0.0, 0.019, 0.0), _ALONG_Y), DARK),),
+        ((Shape("ring", "cylinder", (0.0494, 0.006), (0.0, 0.0184, 0.0), _ALONG_Y), DARK),),
     ),
     "panda_link6": Look(
         blend(
@@ -116,27 +116,27 @@ LINKS: dict[str, Look] = {
         (0.14, 0.09, 0.065),
         0.005,
         (
-            (Shape("ring", "cylinder", (0.0436, 0.006), (0.088, -0.048, 0.0), _ALONG_Y), DARK),
+            (Shape("ring", "cylinder", (0.0436, 0.006), (0.088, -0.0486, 0.0), _ALONG_Y), DARK),
             (Shape("wrist_ring", "cylinder", (0.042, 0.006), (0.0, 0.0, -0.0118)), DARK),
         ),
     ),
     "panda_link7": Look(
         blend(
             (
-                cylinder((0, 0, 0.053), (0, 0, 0.093), 0.043, 0.004),
+                cylinder((0, 0, 0.053), (0, 0, 0.094), 0.043, 0.012),
                 rounded_box((0.043, 0.043, 0.077), (0.05, 0.05, 0.028), 0.012, yaw=math.pi / 4),
             ),
             0.015,
         ),
         (-0.05, -0.05, 0.045),
         (0.09, 0.09, 0.1),
-        0.005,
+        0.004,
         ((Shape("flange", "cylinder", (0.032, 0.014), (0.0, 0.0, 0.1)), GREY),),
     ),
     "panda_hand": Look(
         blend(
             (
-                rounded_box((0, 0, 0.035), (0.036, 0.2, 0.06), 0.006),
+                rounded_box((0, 0, 0.035), (0.037, 0.2, 0.06), 0.009),
                 rounded_box((0, 0.065, 0.01), (0.05, 0.065, 0.03), 0.01),
             ),
             0.012,

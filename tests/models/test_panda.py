@@ -31,6 +31,16 @@ PUBLISHED_DH = (
     (0.088, 0.0, math.pi / 2),
 )
 FLANGE = 0.107
+# "Limits": position from and to [rad], then velocity, acceleration, jerk [rad/s, ...], torque [Nm].
+PUBLISHED_LIMITS = (
+    (-2.8973, 2.8973, 2.175, 15.0, 7500.0, 87.0),
+    (-1.7628, 1.7628, 2.175, 7.5, 3750.0, 87.0),
+    (-2.8973, 2.8973, 2.175, 10.0, 5000.0, 87.0),
+    (-3.0718, -0.0698, 2.175, 12.5, 6250.0, 87.0),
+    (-2.8973, 2.8973, 2.61, 15.0, 7500.0, 12.0),
+    (-0.0175, 3.7525, 2.61, 20.0, 10000.0, 12.0),
+    (-2.8973, 2.8973, 2.61, 20.0, 10000.0, 12.0),
+)
 BOX_WIDTH = 0.05
 
 
@@ -94,6 +104,10 @@ def test_home_points_down_in_front_of_the_base(plant: MultibodyPlant) -> None:
     X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(context)
     np.testing.assert_allclose(X_WG.rotation().col(2), [0.0, 0.0, -1.0], atol=1e-6)
     assert X_WG.translation()[0] > 0.25
+
+
+def test_limits_are_the_published_table() -> None:
+    np.testing.assert_array_equal(np.array(models.ARM_LIMITS), PUBLISHED_LIMITS)
 
 
 def test_limits_in_the_plant_are_the_constants(plant: MultibodyPlant) -> None:

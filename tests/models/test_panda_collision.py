@@ -87,7 +87,7 @@ def points_on(shape: object, X_LS: RigidTransform) -> np.ndarray:
             mesh = trimesh.creation.capsule(shape.length(), shape.radius(), count=[32, 32])
             mesh.apply_translation(-mesh.bounds.mean(axis=0))
         case Sphere():
-            mesh = trimesh.creation.icosphere(4, shape.radius())
+            mesh = trimesh.creation.icosphere(3, shape.radius())
         case _:
             raise AssertionError(shape)
     samples = trimesh.sample.sample_surface(mesh, SAMPLES // 3, seed=0)[0]
