@@ -1,0 +1,1 @@
+"""Programs that reproduce the experiments of the paper."""

@@ -1,0 +1,49 @@
+"""Constrained packing (paper, Experiments): rebuild a tower of two, three or four boxes on a rack.
+
+`python -m ictamp_drake.experiments.packing --level easy --problems 0:5`
+"""
+
+import sys
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from ictamp_drake.runs.options import Conduct, Method, one_of
+from ictamp_drake.runs.program import Work, main
+from ictamp_drake.runs.worker import Problem
+from ictamp_drake.scenes.levels import LEVELS, problem_files
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Plan, execute and record the constrained packing problems.
+
+    Attributes:
+        level: difficulty, the number of boxes to pack.
+        problems: number of a problem or slice of the level's problems, e.g. 3, 0:5 or 10:.
+        conduct: how the run is carried out.
+        method: how problems are solved.
+    """
+
+    level: Annotated[str, one_of(tuple(LEVELS))] = "easy"
+    problems: str = ":"
+    conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
+    method: Annotated[Method, tyro.conf.arg(name="")] = Method()
+
+
+def work(options: Packing) -> Work:
+    """The problems of a level.
+
+    Raises:
+        IctampError: no such level or problems.
+    """
+    level = options.level
+    files = problem_files(level, options.problems)
+    problems = [Problem(f"{level}-{path.stem}", path, level) for path in files]
+    about = {"program": "packing", "level": level}
+    return Work(f"packing-{level}", about, problems, options.method, options.conduct)
+
+
+if __name__ == "__main__":
+    sys.exit(main("ictamp_drake.experiments.packing", Packing, work))

@@ -1,0 +1,45 @@
+"""Plan in a scene of one's own: `python -m ictamp_drake.plan SCENE.yaml`."""
+
+import dataclasses
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from ictamp_drake.runs.options import Conduct, Method
+from ictamp_drake.runs.program import Work, main
+from ictamp_drake.runs.solve import prepare
+from ictamp_drake.runs.worker import Problem
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Plan in the scene of a file until its goal is reached, execute and record the plan.
+
+    Attributes:
+        scene: YAML file of the scene.
+        conduct: how the run is carried out.
+        method: how the problem is solved.
+    """
+
+    scene: tyro.conf.Positional[Path]
+    conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
+    method: Annotated[Method, tyro.conf.arg(name="")] = Method()
+
+
+def work(options: Plan) -> Work:
+    """The one problem.
+
+    Raises:
+        IctampError: what is wrong with the scene; nothing has been written then.
+    """
+    task = prepare(options.scene, options.method)
+    name = options.scene.stem
+    about = {"program": "plan", "scene": dataclasses.asdict(task.spec)}
+    return Work(name, about, [Problem(name, options.scene.absolute())], options.method, options.conduct)
+
+
+if __name__ == "__main__":
+    sys.exit(main("ictamp_drake.plan", Plan, work))

@@ -1,0 +1,1 @@
+"""What every program does: options, one problem solved, a sweep over many, and the folder that a run leaves."""

@@ -1,0 +1,99 @@
+"""What workers tell about their work while they are at it, in shared memory without locks.
+
+A worker can be ended at any moment; a lock or queue that it held then would stop all others. Here the worst that can
+happen is that a number on the screen is wrong for a moment.
+"""
+
+import ctypes
+import time
+from collections.abc import Iterator
+from multiprocessing.context import SpawnContext
+from typing import NamedTuple
+
+from ictamp_drake.planning.events import Event, PlanOpened, StepDone, StepStarted, Verified
+
+_TEXT = 80
+
+
+class _Slot(ctypes.Structure):
+    _fields_ = (
+        ("running", ctypes.c_bool),
+        ("started", ctypes.c_double),
+        ("plans", ctypes.c_int),
+        ("steps", ctypes.c_int),
+        ("doing", ctypes.c_char * _TEXT),
+    )
+
+
+class Running(NamedTuple):
+    """A problem that is being solved.
+
+    Attributes:
+        slot: number of the problem.
+        seconds: since its start [s].
+        plans: high-level plans opened.
+        steps: low-level steps done.
+        doing: what happens at this moment.
+    """
+
+    slot: int
+    seconds: float
+    plans: int
+    steps: int
+    doing: str
+
+
+class Board:
+    """One slot for each problem, and the word to stop."""
+
+    def __init__(self, context: SpawnContext, count: int) -> None:
+        self._slots = context.RawArray(_Slot, count)
+        self._stopping = context.RawValue(ctypes.c_bool, False)
+
+    @property
+    def stopping(self) -> bool:
+        """Whether everybody is asked to stop."""
+        return bool(self._stopping.value)
+
+    def stop(self) -> None:
+        """Ask everybody to stop."""
+        self._stopping.value = True
+
+    def start(self, slot: int) -> None:
+        """The work on a problem begins."""
+        self._slots[slot].started = time.monotonic()
+        self._say(slot, "loading the scene")
+        self._slots[slot].running = True
+
+    def finish(self, slot: int) -> None:
+        """The work on a problem is over."""
+        self._slots[slot].running = False
+
+    def seconds(self, slot: int) -> float:
+        """Time since the work on a problem began, 0 when it never did [s]."""
+        started = self._slots[slot].started
+        return time.monotonic() - started if started else 0.0
+
+    def tell(self, slot: int, event: Event) -> None:
+        """Show an event."""
+        here = self._slots[slot]
+        match event:
+            case PlanOpened():
+                here.plans += event.plan is not None
+            case StepStarted():
+                self._say(slot, str(event.action))
+            case StepDone():  # a step that follows begins at once, so these texts stay only when none does
+                here.steps += 1
+                self._say(slot, "looking for a plan" if event.child is None else "verifying the plan")
+            case Verified():
+                self._say(slot, "writing" if event.verified else "looking for a plan")
+
+    def _say(self, slot: int, text: str) -> None:
+        self._slots[slot].doing = text.encode()[: _TEXT - 1]
+
+    def running(self) -> Iterator[Running]:
+        """The problems that are being solved now."""
+        for number, slot in enumerate(self._slots):
+            if slot.running:
+                doing = slot.doing.decode(errors="replace")
+                yield Running(number, self.seconds(number), slot.plans, slot.steps, doing)

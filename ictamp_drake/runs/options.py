@@ -1,0 +1,151 @@
+"""Options of the programs: frozen dataclasses from which the command line is derived.
+
+A choice between implementations is a dataclass with one field for each; its field names are what one can choose.
+"""
+
+import dataclasses
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.planning.planner import Budget, PlannerConfig
+from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.scenes.checks import check_choice, check_range
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.runner import SkillsConfig
+from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
+from ictamp_drake.world.predicates import PredicateConfig
+from ictamp_drake.world.simulate import PhysicsConfig
+
+
+@dataclass(frozen=True)
+class Samplers:
+    """Sources of the skill parameter k."""
+
+    optimisation: OptimisationConfig = OptimisationConfig()
+    uniform: UniformConfig = UniformConfig()
+
+
+@dataclass(frozen=True)
+class Estimators:
+    """Sources of P, the estimated probability that a step succeeds."""
+
+    constant: ConstantConfig = ConstantConfig()
+
+
+@dataclass(frozen=True)
+class Generators:
+    """Streams of high-level plans."""
+
+    breadth_first: BreadthFirst = BreadthFirst()
+    best_first: BestFirst = BestFirst()
+
+
+@dataclass(frozen=True)
+class Search:
+    """The tree search.
+
+    Attributes:
+        max_expansions: nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
+        rule: how the next computational action is chosen.
+    """
+
+    max_expansions: int = PlannerConfig.max_expansions
+    rule: ProportionalConfig = ProportionalConfig()
+
+
+def choices(configs: type) -> tuple[str, ...]:
+    """What can be chosen from a dataclass of configurations, as it is written on the command line."""
+    return tuple(field.name.replace("_", "-") for field in dataclasses.fields(configs))
+
+
+def chosen(configs: object, choice: str) -> Any:
+    """The configuration with that name."""
+    return getattr(configs, choice.replace("-", "_"))
+
+
+def one_of(names: tuple[str, ...]) -> Any:
+    """How the help shows an option that takes one of the names."""
+    return tyro.conf.arg(metavar=f"{{{','.join(names)}}}")
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a problem is solved. A run that is continued keeps all of these.
+
+    Attributes:
+        time_limit: of one problem, from the start of loading its scene [s].
+        max_steps: low-level steps of one problem.
+        seed: of everything random in the search.
+        sampler: where skill parameters k come from.
+        estimator: where P, the estimated probability that a step succeeds, comes from.
+        generator: in which order high-level plans come.
+        planner: constants of the tree search.
+        skills: constants of the skills and of motion planning.
+        physics: how the scene is simulated.
+        predicates: tolerances of H.
+        samplers: constants of each sampler.
+        estimators: constants of each estimator.
+        generators: constants of each plan generator.
+    """
+
+    time_limit: float = 60.0
+    max_steps: int | None = None
+    seed: int = 0
+    sampler: Annotated[str, one_of(choices(Samplers))] = "optimisation"
+    estimator: Annotated[str, one_of(choices(Estimators))] = "constant"
+    generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
+    planner: Search = Search()
+    skills: SkillsConfig = SkillsConfig()
+    physics: PhysicsConfig = PhysicsConfig()
+    predicates: PredicateConfig = PredicateConfig()
+    samplers: Samplers = Samplers()
+    estimators: Estimators = Estimators()
+    generators: Generators = Generators()
+
+    def __post_init__(self) -> None:
+        check_range("time-limit", self.time_limit, 0, 1e6, " s")
+        check_range("max-steps", self.max_steps or 0, 0, 1e9)
+        check_range("seed", self.seed, 0, 2**63 - 1)
+        check_choice("sampler", self.sampler, choices(Samplers))
+        check_choice("estimator", self.estimator, choices(Estimators))
+        check_choice("generator", self.generator, choices(Generators))
+
+    def planner_config(self, elapsed: float) -> PlannerConfig:
+        """The planner's own configuration when `elapsed` [s] of the time limit are spent."""
+        budget = Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
+        return PlannerConfig(budget, self.planner.max_expansions, self.planner.rule)
+
+
+@dataclass(frozen=True)
+class Conduct:
+    """How a run is carried out, which changes nothing in how its problems are solved.
+
+    Attributes:
+        out: folder for what the run leaves; by default a new one in runs/, named by program and time. Naming the
+            folder of an unfinished run continues it.
+        resume: continue a run, without --out the latest of this program in runs/.
+        workers: processes that each solve one problem at a time.
+        artefacts: what is kept of each problem: all; plan, only scene.yaml and plan.yaml; none, only its record.
+        meshcat: show what is planned live in a browser on this machine, with one worker.
+        grace: how long a problem may take beyond its time limit, to finish a step, to verify and to write what it
+            leaves, before its process is ended [s].
+    """
+
+    out: Path | None = None
+    resume: bool = False
+    workers: int = min(2, os.cpu_count() or 1)
+    artefacts: Literal["all", "plan", "none"] = "all"
+    meshcat: bool = False
+    grace: float = 120.0
+
+    def __post_init__(self) -> None:
+        check_range("workers", self.workers, 1, 1024)
+        check_range("grace", self.grace, 0, 1e6, " s")
+        if self.meshcat:
+            object.__setattr__(self, "workers", 1)

@@ -1,0 +1,101 @@
+"""What a person sees while a run works: a line for each finished problem and, in a terminal, what is going on now."""
+
+import time
+from collections.abc import Sequence
+from types import TracebackType
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from ictamp_drake.planning.result import StopReason
+from ictamp_drake.runs.board import Board, Running
+from ictamp_drake.runs.records import Record
+
+
+class Progress:
+    """Follows a sweep on a console; without a terminal it only prints the lines of finished problems.
+
+    Args:
+        console: where to print.
+        names: of the problems, by their slot.
+        total: problems of the run, those finished in earlier sessions included.
+        solved: how many of the earlier ones were solved.
+    """
+
+    def __init__(self, console: Console, names: Sequence[str], total: int, solved: int) -> None:
+        self._console = console
+        self._names = names
+        self._total = total
+        self._done = total - len(names)
+        self._solved = solved
+        self._start = time.monotonic()
+        self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
+
+    def __enter__(self) -> "Progress":
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._live is not None:
+            self._live.stop()
+
+    def __call__(self, board: Board, records: Sequence[Record]) -> None:
+        """Show what is new; see `sweep.Watch`."""
+        for record in records:
+            self._done += record.is_final
+            self._solved += record.solved
+            self._console.print(outcome(record), soft_wrap=True)
+        if self._live is not None:
+            self._live.update(self._now(board), refresh=True)
+
+    def _now(self, board: Board) -> Group:
+        running = list(board.running())
+        table = Table.grid(padding=(0, 2))
+        for row in running:
+            table.add_row(*self._row(row))
+        return Group(Text(), self._heading(board), table)
+
+    def _heading(self, board: Board) -> Text:
+        left = self._total - self._done
+        text = f"{self._done} of {self._total} done, {self._solved} solved, {left} left, {clock(self._elapsed)}"
+        return Text(text + (", stopping after the steps under way" if board.stopping else ""), style="bold")
+
+    @property
+    def _elapsed(self) -> float:
+        return time.monotonic() - self._start
+
+    def _row(self, running: Running) -> tuple[str, str, str, str, str]:
+        plans, steps = counted(running.plans, "plan"), counted(running.steps, "step")
+        return f"  {self._names[running.slot]}", plans, steps, clock(running.seconds), running.doing
+
+
+def outcome(record: Record) -> Text:
+    """One line about a problem that is over."""
+    effort = f"{counted(record.high_level_plans, 'plan')}, {counted(record.low_level_steps, 'step')}"
+    after = f"after {record.planning_time_s:.1f} s ({effort})"
+    if record.solved:
+        line = Text(f"{record.problem}  solved with {counted(record.plan_length or 0, 'skill')} {after}", "green")
+    elif record.error is None:
+        line = Text(f"{record.problem}  not solved {after}: {StopReason[record.stop_reason]}", "yellow")
+    else:
+        line = Text(f"{record.problem}  {record.stop_reason.lower()} {after}", "bold red")
+    if record.error is not None:
+        line.append(f": {record.error.strip().splitlines()[-1]}")
+    return line
+
+
+def counted(number: int, noun: str) -> str:
+    """E.g. 1 plan, 2 plans."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def clock(seconds: float) -> str:
+    """E.g. 0:07, 12:30, 1:02:03."""
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

@@ -1,0 +1,145 @@
+"""`results.jsonl`: one JSON object a problem, safe against interruption at any moment."""
+
+import dataclasses
+import json
+import os
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.planning.result import ActionReport, StopReason
+from ictamp_drake.runs.solve import Solution
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """What is known of one problem when it is over. Failures are keyed by the names of `core.failures.Failure`.
+
+    Attributes:
+        problem: its name, and that of its folder.
+        level: easy, medium or hard; None for a scene of one's own.
+        interference: kinds of interference of the boxes outside the goal.
+        seed: the run's seed.
+        solved: a plan was carried out and then verified as a whole.
+        verified: whether the last plan that was carried out ended in the goal again when it was replayed from c_0 in a
+            fresh simulator in one go; None when no plan was carried out, or when this was interrupted.
+        stop_reason: why the search ended, by the name in `planning.result.StopReason`; "CRASHED" or "HUNG" when its
+            process died or was ended because it took too long.
+        planning_time_s: time until a plan was verified or the search ended [s]: loading the scene, building it in
+            Drake, search and verification. Importing modules and writing files are not in it.
+        high_level_plans: plans opened.
+        low_level_steps: runs of a skill.
+        plan_length: skills in the plan, None when unsolved.
+        failures: failed low-level steps by cause.
+        rejections: parameters k that were refused, by cause, before the last one of their step.
+        seconds_by_stage: computing time by stage [s]; "setup" is loading and building the scene.
+        replay_time_s: computing time of executing the verified plan from the start [s], None when unsolved.
+        blocked: for each action that was tried and never succeeded, how many parameters k were refused by what.
+        error: traceback when the problem was not brought to an end by itself, else None.
+        load: the machine's load averages over 1, 5 and 15 minutes at the end.
+    """
+
+    problem: str
+    level: str | None
+    seed: int
+    interference: tuple[str, ...] = ()
+    solved: bool = False
+    verified: bool | None = None
+    stop_reason: str
+    planning_time_s: float
+    high_level_plans: int = 0
+    low_level_steps: int = 0
+    plan_length: int | None = None
+    failures: dict[str, int] = field(default_factory=dict)
+    rejections: dict[str, int] = field(default_factory=dict)
+    seconds_by_stage: dict[str, float] = field(default_factory=dict)
+    replay_time_s: float | None = None
+    blocked: dict[str, dict[str, int]] = field(default_factory=dict)
+    error: str | None = None
+    load: tuple[float, ...] = field(default_factory=os.getloadavg)
+
+    @property
+    def is_final(self) -> bool:
+        """False when the problem was interrupted or broke down, so that a run which is continued tries it again."""
+        return self.error is None and self.stop_reason != StopReason.STOPPED.name
+
+
+def record_of(problem: str, level: str | None, seed: int, solution: Solution) -> Record:
+    """The record of a search that came to its end."""
+    result = solution.result
+    return Record(
+        problem=problem,
+        level=level,
+        seed=seed,
+        interference=solution.task.spec.interference,
+        solved=result.solved,
+        verified=result.verified,
+        stop_reason=result.stop_reason.name,
+        planning_time_s=_rounded(solution.planning_time_s),
+        high_level_plans=result.high_level_plans,
+        low_level_steps=result.low_level_steps,
+        plan_length=len(result.actions) if result.solved and result.actions is not None else None,
+        failures=_named(result.failures),
+        rejections=_named(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
+        seconds_by_stage={
+            "setup": _rounded(solution.planning_time_s - result.planning_time_s),
+            **{stage: _rounded(seconds) for stage, seconds in result.seconds_by_stage.items()},
+        },
+        replay_time_s=None if solution.replay is None else _rounded(solution.replay.seconds),
+        blocked={str(report.action): _refusals(report) for report in result.blocked},
+    )
+
+
+def append(record: Record, path: Path) -> None:
+    """Add a line by a single write, and wait until it is on the disk; several processes may do so at once."""
+    line = json.dumps(dataclasses.asdict(record)) + "\n"
+    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+    try:
+        os.write(descriptor, line.encode())
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def drop_torn_line(path: Path) -> None:
+    """Cut off a last line without an end, which is left when a machine dies while it writes."""
+    if path.exists():
+        whole = path.read_bytes().rpartition(b"\n")
+        os.truncate(path, len(whole[0]) + len(whole[1]))
+
+
+def read_records(path: Path) -> dict[str, Record]:
+    """The last record of each problem, by its name, in the order in which they were written.
+
+    Raises:
+        IctampError: when a line is not a record.
+    """
+    records: dict[str, Record] = {}
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    for number, line in enumerate(lines, 1):
+        try:
+            record = _parse(json.loads(line))
+        except (ValueError, TypeError, KeyError) as error:
+            raise IctampError(f"{path}: line {number} is not a record: {error}") from error
+        records.pop(record.problem, None)
+        records[record.problem] = record
+    return records
+
+
+def _parse(values: dict[str, Any]) -> Record:
+    return Record(**values | {"interference": tuple(values["interference"]), "load": tuple(values["load"])})
+
+
+def _named(counts: Counter[Failure]) -> dict[str, int]:
+    return {failure.name: count for failure, count in counts.most_common()}
+
+
+def _refusals(report: ActionReport) -> dict[str, int]:
+    return _named(report.failures + report.rejections)
+
+
+def _rounded(seconds: float) -> float:
+    return round(seconds, 4)

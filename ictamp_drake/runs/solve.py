@@ -1,0 +1,126 @@
+"""One scene: from its file to a plan that was executed twice, during the search and once more as a whole."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.core.types import Atom, Attempt, Configuration
+from ictamp_drake.planning.events import Listener
+from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.runs.options import Method, chosen
+from ictamp_drake.runs.replay import Replay, replay
+from ictamp_drake.scenes.spec import SceneSpec, load_scene
+from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goals import check_goal, parse_goal
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.simulate import Physics
+from ictamp_drake.world.start import start_configuration
+from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A scene with everything that planning in it needs.
+
+    Attributes:
+        spec: the scene.
+        world: it in Drake.
+        physics: its simulator.
+        abstraction: H.
+        c: c_0, the initial configuration when everything has come to rest.
+        goal: the atoms that must hold.
+        domain: its ground actions.
+        started: when loading the scene began, by `time.perf_counter` [s].
+    """
+
+    spec: SceneSpec
+    world: World
+    physics: Physics
+    abstraction: Abstraction
+    c: Configuration
+    goal: frozenset[Atom]
+    domain: Domain
+    started: float
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What came of a problem.
+
+    Attributes:
+        task: the problem.
+        result: what the search left.
+        replay: of the verified plan; None when there is none.
+        planning_time_s: time from the start of loading the scene until the plan was verified or given up [s].
+    """
+
+    task: Task
+    result: PlanningResult[Configuration]
+    replay: Replay | None
+    planning_time_s: float
+
+
+def prepare(path: Path, method: Method) -> Task:
+    """Load a scene and build all that is needed to plan in it.
+
+    Raises:
+        IctampError: one sentence that says what is wrong with the file, the scene or its goal.
+    """
+    started = perf_counter()
+    spec = load_scene(path)
+    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"{path}: goal")
+    world = World(spec)
+    physics = method.physics.create(spec)
+    abstraction = Abstraction(world, method.predicates)
+    c = start_configuration(world, abstraction, physics, str(path))
+    initial = abstraction(c)
+    check_goal(goal, initial, f"{path}: goal")
+    roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
+    domain = Domain.create(sorted(spec.boxes), roomiest_first, initial)
+    return Task(spec, world, physics, abstraction, c, goal, domain, started)
+
+
+def solve(
+    task: Task, method: Method, listeners: Sequence[Listener] = (), stop: Callable[[], bool] = lambda: False
+) -> Solution:
+    """Plan until a plan is verified or the budget is spent."""
+    verifier = _Verifier(task, method)
+    sampler = chosen(method.samplers, method.sampler)
+    plans = chosen(method.generators, method.generator)
+    planner = method.planner_config(elapsed=perf_counter() - task.started).create(
+        c=task.c,
+        abstraction=task.abstraction,
+        generator=plans.create(task.domain, task.abstraction(task.c), task.goal),
+        skills=method.skills.create(task.world, task.abstraction, task.physics, sampler),
+        estimator=chosen(method.estimators, method.estimator).create(),
+        verify=verifier,
+        rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
+        listeners=listeners,
+        stop=stop,
+    )
+    result = planner.run()
+    return Solution(task, result, verifier.replay if result.solved else None, perf_counter() - task.started)
+
+
+@dataclass
+class _Verifier:
+    """Replays each finished plan, and keeps the last replay."""
+
+    task: Task
+    method: Method
+    replay: Replay | None = field(default=None, init=False)
+
+    def __call__(self, attempts: tuple[Attempt[Configuration], ...]) -> bool:
+        task = self.task
+        self.replay = replay(
+            task.spec,
+            self.method.physics,
+            abstraction=task.abstraction,
+            goal=task.goal,
+            c=task.c,
+            attempts=attempts,
+        )
+        return self.replay.reached

@@ -1,0 +1,118 @@
+"""What a run found, as a table and as the answer to why a problem was not solved."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from statistics import mean, median
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.planning.result import StopReason
+from ictamp_drake.runs.progress import counted
+from ictamp_drake.runs.records import Record
+
+BLOCKERS = 4
+"""Actions named for a problem that was not solved."""
+
+LEGEND = (
+    "Medians over the solved problems: time to a verified plan [s], high-level plans, low-level steps, low-level steps "
+    "for each skill of the plan, planning time / computing time of the replay."
+)
+
+PARAMETERS = {"pick": "grasps", "place": "placements"}
+"""What k is for each skill."""
+
+
+def report(records: Sequence[Record]) -> Group:
+    """Everything that is said at the end of a run."""
+    parts: list[RenderableType] = [Text(), results(records), Text(LEGEND, "dim")]
+    if failures := sum((Counter(record.failures) for record in records), Counter[str]()):
+        steps = sum(record.low_level_steps for record in records)
+        parts += [Text(), _failures(failures, steps)]
+    for record in records:
+        if not record.solved:
+            parts += [Text(), *unsolved(record)]
+    return Group(*parts)
+
+
+def results(records: Sequence[Record]) -> Table:
+    """Figures of all problems and, where they differ, by interference."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    columns = ("problems", "solved", "time median", "mean", "plans", "steps", "steps / skill", "overhead")
+    for column in columns:
+        table.add_column(column, justify="left" if column == "problems" else "right")
+    for name, group in _groups(records):
+        table.add_row(name, *figures(group))
+    return table
+
+
+def figures(records: Sequence[Record]) -> list[str]:
+    """One row of the table of results, see `LEGEND`."""
+    solved = [record for record in records if record.solved]
+
+    def of(figure: Callable[[Record], float], average: Callable[[list[float]], float] = median) -> str:
+        return f"{average([figure(record) for record in solved]):.3g}" if solved else "-"
+
+    return [
+        f"{len(solved)} of {len(records)}",
+        of(lambda record: record.planning_time_s),
+        of(lambda record: record.planning_time_s, mean),
+        of(lambda record: record.high_level_plans),
+        of(lambda record: record.low_level_steps),
+        of(lambda record: record.low_level_steps / (record.plan_length or 1)),
+        of(lambda record: record.planning_time_s / (record.replay_time_s or 1)),
+    ]
+
+
+def _groups(records: Sequence[Record]) -> Iterator[tuple[str, list[Record]]]:
+    """All, and then the groups by kind of interference when there are any."""
+    kinds = sorted({kind for record in records for kind in record.interference})
+    if kinds:
+        plain = [record for record in records if not record.interference]
+        yield from [("plain", plain)] if plain else []
+        for kind in kinds:
+            yield f"with {kind}", [record for record in records if kind in record.interference]
+    yield "all", list(records)
+
+
+def _failures(failures: Counter[str], steps: int) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column(f"failures in {steps} low-level steps")
+    table.add_column("", justify="right")
+    for name, count in failures.most_common():
+        table.add_row(str(Failure[name]), str(count))
+    return table
+
+
+def unsolved(record: Record) -> Iterator[Text]:
+    """Why a problem was not solved: what stood in the way of the actions that never succeeded."""
+    reason = StopReason[record.stop_reason] if record.stop_reason in StopReason.__members__ else record.stop_reason
+    yield Text(f"{record.problem}: {reason}", "bold")
+    if record.error is not None:
+        yield Text(f"  {record.error.strip()}", "red")
+        return
+    if record.verified is False:
+        yield Text("  a plan was carried out to the goal, but not again when it was replayed as a whole")
+    for action, refusals in list(record.blocked.items())[:BLOCKERS]:
+        yield Text(f"  {blocker(action, refusals)}")
+    if not record.blocked:
+        failed = f"of {counted(record.low_level_steps, 'step')} {sum(record.failures.values())} failed"
+        causes = f": {_listed(record.failures)}" if record.failures else ""
+        yield Text(f"  every action that was tried succeeded at least once; {failed}{causes}")
+
+
+def blocker(action: str, refusals: dict[str, int]) -> str:
+    """E.g. "pick(red_box, rack): 30 of 30 grasps: no inverse-kinematics solution"."""
+    total = sum(refusals.values())
+    what = PARAMETERS.get(action.partition("(")[0], "parameters k")
+    return f"{action}: {total} of {total} {what}: {_listed(refusals)}"
+
+
+def _listed(causes: dict[str, int]) -> str:
+    """The causes, with their counts when there are several."""
+    if len(causes) == 1:
+        return str(Failure[next(iter(causes))])
+    return ", ".join(f"{count} {Failure[name]}" for name, count in causes.items())

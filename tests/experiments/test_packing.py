@@ -1,0 +1,200 @@
+"""The packing program as a subprocess: resuming, kill -9, Ctrl-C, broken workers and bad input."""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from ictamp_drake.experiments.packing import Packing, work
+from ictamp_drake.runs import program
+from ictamp_drake.runs.program import BAD_INPUT, BROKEN, COMPLETE, INTERRUPTED
+from ictamp_drake.runs.records import Record, read_records
+from tests.runs.programs import command, environment, run, timeless
+
+SHORT = ("--max-steps", "1", "--artefacts", "none", "--time-limit", "250")
+"""Options with which a problem takes a second or two and is not solved."""
+LONG = ("--sampler", "uniform", "--skills.draws", "1", "--artefacts", "none", "--time-limit", "250")
+"""Options with which a problem is not over before somebody interferes."""
+
+
+def results(folder: Path) -> dict[str, Record]:
+    return read_records(folder / "out" / "results.jsonl")
+
+
+@contextmanager
+def started(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """The program at work in folder/out, in a process group of its own."""
+    process = subprocess.Popen(
+        command("experiments.packing", "--out", "out", *arguments),
+        cwd=folder,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def wait_until(condition: Callable[[], object], seconds: float = 200) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "it never happened"
+        time.sleep(0.05)
+
+
+def workers(process: subprocess.Popen[str]) -> list[int]:
+    """Process numbers of the workers of a program."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+            arguments = (path.parent / "cmdline").read_text()
+        except OSError:
+            continue
+        if int(fields[1]) == process.pid and "spawn_main" in arguments:
+            found.append(int(path.parent.name))
+    return found
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_kill_9_in_mid_run_loses_no_finished_problem(tmp_path: Path) -> None:
+    options = ("--problems", "0:3", "--workers", "1", *SHORT)
+    with started(tmp_path, *options) as process:
+        wait_until(lambda: results(tmp_path))
+        crew = workers(process)
+        process.kill()
+        process.wait()
+        wait_until(lambda: not any(map(is_alive, crew)), seconds=30)
+    finished = results(tmp_path)
+    assert 1 <= len(finished) < 3
+    with (tmp_path / "out" / "results.jsonl").open("a") as file:
+        file.write('{"problem": "easy-0')  # as if the machine had died while it wrote
+
+    again = run("experiments.packing", "--out", "out", *options, folder=tmp_path)
+    assert again.returncode == COMPLETE, again.stderr
+    assert f"{3 - len(finished)} problem" in again.stdout
+    assert set(results(tmp_path)) == {"easy-000", "easy-001", "easy-002"}
+    assert {name: results(tmp_path)[name] for name in finished} == finished
+    assert len((tmp_path / "out" / "results.jsonl").read_text().splitlines()) == 3
+
+
+def test_ctrl_c_ends_the_run_cleanly_and_the_stopped_problem_is_tried_again(tmp_path: Path) -> None:
+    with started(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
+        wait_until(lambda: workers(process))
+        time.sleep(3)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        output, errors = process.communicate(timeout=200)
+    assert process.returncode == INTERRUPTED
+    assert errors == ""
+    assert "Interrupted; the same command with --out out goes on." in output
+    (record,) = results(tmp_path).values()
+    assert record.stop_reason == "STOPPED"
+    assert not record.is_final
+
+    again = run("experiments.packing", "--out", "out", "--problems", "0", "--max-steps", "1", *LONG, folder=tmp_path)
+    assert again.returncode == BAD_INPUT
+    assert again.stderr.startswith("out: cannot be continued with --max-steps 1, since it was made with null")
+
+
+def test_a_worker_that_dies_is_a_record_and_the_others_go_on(tmp_path: Path) -> None:
+    with started(tmp_path, "--problems", "0:2", "--workers", "1", "--max-steps", "6", *LONG) as process:
+        wait_until(lambda: workers(process))
+        wait_until(lambda: "numpy" in Path(f"/proc/{workers(process)[0]}/maps").read_text())
+        time.sleep(2)
+        os.kill(workers(process)[0], signal.SIGKILL)
+        output, errors = process.communicate(timeout=200)
+    assert process.returncode == BROKEN, errors
+    first, second = results(tmp_path).values()
+    assert first.stop_reason == "CRASHED"
+    assert first.error is not None
+    assert "the process died" in first.error
+    assert second.stop_reason == "OUT_OF_STEPS"
+    assert "easy-000: CRASHED" in output
+
+
+def test_a_problem_that_hangs_is_ended(tmp_path: Path) -> None:
+    out = run(
+        "experiments.packing", "--out", "out", "--problems", "0", *LONG[:-1], "0.1", "--grace", "0", folder=tmp_path
+    )
+    assert out.returncode == BROKEN
+    (record,) = results(tmp_path).values()
+    assert record.stop_reason == "HUNG"
+    assert record.error == "the process was ended after 0.1 s"
+
+
+def test_the_hash_seed_changes_nothing(tmp_path: Path) -> None:
+    """On a problem that takes failures and more than one plan, without being solved."""
+    options = ("--problems", "1", "--max-steps", "5", "--sampler", "uniform", "--skills.draws", "1")
+    for seed in (1, 2):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        done = run(
+            "experiments.packing", "--out", "out", *options, "--time-limit", "250", folder=folder, hash_seed=seed
+        )
+        assert done.returncode == COMPLETE, done.stderr
+    first, second = (results(tmp_path / str(seed))["easy-001"] for seed in (1, 2))
+    assert timeless(first) == timeless(second)
+    assert first.low_level_steps == 5
+    trees = [(tmp_path / str(seed) / "out" / "easy-001" / "tree.json").read_bytes() for seed in (1, 2)]
+    assert trees[0] == trees[1]
+
+
+def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+    """The sentence with which the program refuses the arguments."""
+    assert program.main("ictamp_drake.experiments.packing", Packing, work, list(map(str, arguments))) == BAD_INPUT
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.count("\n") == 1
+    return output.err.strip()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--level", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard"),
+        (("--problems", "a:b"), "problems is 'a:b', but must be a number or a slice, e.g. 3, 0:5, 10: or :"),
+        (("--problems", "55"), "problems is '55', but must select from the numbers 0 to 54"),
+        (("--sampler", "best"), "sampler is 'best', but must be one of: optimisation, uniform"),
+        (("--estimator", "q"), "estimator is 'q', but must be one of: constant"),
+        (("--generator", "x"), "generator is 'x', but must be one of: breadth-first, best-first"),
+        (("--time-limit", "-1"), "time-limit is -1 s, but must be between 0 and 1e+06 s"),
+        (("--workers", "0"), "workers is 0, but must be between 1 and 1024"),
+    ],
+)
+def test_bad_options_are_refused_in_one_sentence(
+    arguments: tuple[str, ...], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert refuse(capsys, *arguments, "--out", tmp_path / "out") == sentence
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("arguments", [("--no-such-option", "1"), ("--seed", "one"), ("--artefacts", "some")])
+def test_options_that_are_none_are_refused(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as exit_:
+        program.main("ictamp_drake.experiments.packing", Packing, work, arguments)
+    assert exit_.value.code == BAD_INPUT
+    assert arguments[0] in capsys.readouterr().err
+
+
+def test_bad_input_gives_exit_code_2(tmp_path: Path) -> None:
+    refused = run("experiments.packing", "--level", "heavy", folder=tmp_path)
+    assert refused.returncode == BAD_INPUT
+    assert refused.stderr == "level is 'heavy', but must be one of: easy, medium, hard\n"
+    assert refused.stdout == ""
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,50 @@
+"""Programs of the package run as their users run them: in a process of their own."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from ictamp_drake.runs.records import Record
+
+SCENE = """\
+supports:
+  table: {kind: table, position: [0.3, 0.0, 0.0]}
+  rack: {kind: rack, position: [0.44, -0.33, 0.16], yaw: 90.0}
+boxes:
+  red_box: {size: [0.05, 0.05, 0.1], position: [0.45, 0.1, 0.05]}
+  blue_box: {size: [0.05, 0.05, 0.08], position: [0.5, 0.3, 0.04]}
+goal: (on red_box rack)
+"""
+"""A scene that takes two skills and about two seconds."""
+
+
+def command(program: str, *arguments: str | Path) -> list[str]:
+    """The command line that runs a program."""
+    return [sys.executable, "-m", f"ictamp_drake.{program}", *map(str, arguments)]
+
+
+def environment(hash_seed: int = 0) -> dict[str, str]:
+    """Variables in which a program finds this package from any folder."""
+    root = Path(__file__).parents[2]
+    return {**os.environ, "PYTHONPATH": str(root), "PYTHONHASHSEED": str(hash_seed)}
+
+
+def run(program: str, *arguments: str | Path, folder: Path, hash_seed: int = 0) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder to its end."""
+    return subprocess.run(
+        command(program, *arguments),
+        cwd=folder,
+        env=environment(hash_seed),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=280,
+    )
+
+
+def timeless(record: Record) -> dict[str, object]:
+    """What a record says apart from times and the machine's load."""
+    times = {"planning_time_s", "replay_time_s", "load"}
+    values = {name: value for name, value in vars(record).items() if name not in times}
+    return values | {"seconds_by_stage": set(record.seconds_by_stage)}

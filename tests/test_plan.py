@@ -1,0 +1,195 @@
+"""The program for one's own scenes, as a subprocess: what it leaves, that it is repeatable, and what it refuses."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.plan import Plan, work
+from ictamp_drake.runs import program
+from ictamp_drake.runs.plan_file import read_plan, write_plan
+from ictamp_drake.runs.program import BAD_INPUT, COMPLETE
+from ictamp_drake.runs.records import Record, read_records
+from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.world.simulate import PhysicsConfig
+from tests.runs.programs import SCENE, run, timeless
+
+LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed plays no part
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a scene in it."""
+    folder = tmp_path_factory.mktemp("plan")
+    (folder / "scene.yaml").write_text(SCENE)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def done(folder: Path) -> subprocess.CompletedProcess[str]:
+    return run("plan", "scene.yaml", "--out", "first", *LIMIT, folder=folder, hash_seed=1)
+
+
+@pytest.fixture(scope="module")
+def record(folder: Path, done: subprocess.CompletedProcess[str]) -> Record:
+    assert done.returncode == COMPLETE, done.stderr
+    (record,) = read_records(folder / "first" / "results.jsonl").values()
+    return record
+
+
+def test_the_record_tells_of_a_verified_plan(record: Record) -> None:
+    assert record.solved
+    assert record.verified
+    assert record.stop_reason == "SOLVED"
+    assert record.problem == "scene"
+    assert record.level is None
+    assert record.error is None
+    assert record.plan_length == 2 <= record.low_level_steps
+    assert record.replay_time_s is not None
+    assert 0 < record.replay_time_s < record.planning_time_s
+    stages = sum(record.seconds_by_stage.values())
+    assert stages == pytest.approx(record.planning_time_s, rel=0.1)
+
+
+def test_the_output_names_result_and_replay(done: subprocess.CompletedProcess[str], record: Record) -> None:
+    assert f"scene  solved with 2 skills after {record.planning_time_s:.1f} s" in done.stdout
+    assert "1 of 1" in done.stdout
+    assert "Replays: first/scene/replay.html" in done.stdout
+    assert done.stderr == ""
+
+
+def test_the_folder_holds_everything(folder: Path, record: Record) -> None:
+    problem = folder / "first" / record.problem
+    files = {path.name for path in problem.iterdir()}
+    assert files == {"scene.yaml", "plan.yaml", "tree.json", "tree.svg", "scene.png", "replay.html"}
+    assert load_scene(problem / "scene.yaml") == load_scene(folder / "scene.yaml")
+    assert json.loads((problem / "tree.json").read_text())["solution"] is not None
+    assert (problem / "scene.png").read_bytes().startswith(b"\x89PNG")
+    page = (problem / "replay.html").read_text()
+    assert "pick(red_box, table)" in page
+    assert "place(red_box, rack)" in page
+
+
+def test_the_configuration_says_how_the_plan_was_found(folder: Path, record: Record) -> None:
+    config = yaml.safe_load((folder / "first" / "config.yaml").read_text())
+    assert config["program"] == "plan"
+    assert config["scene"]["boxes"].keys() == {"red_box", "blue_box"}
+    assert config["options"]["time_limit"] == 250.0
+    assert config["options"]["seed"] == record.seed
+    (session,) = config["sessions"]
+    assert session["versions"]["drake"]
+    assert session["host"]["cores"] >= 1
+
+
+@pytest.mark.parametrize("time_step", [PhysicsConfig().time_step, 0.001])
+def test_the_plan_file_replays_to_the_goal(folder: Path, record: Record, time_step: float) -> None:
+    plan = read_plan(folder / "first" / record.problem / "plan.yaml")
+    replay = plan.replay(PhysicsConfig(time_step=time_step))
+    assert replay.reached
+    X_WO = replay.c.poses["red_box"]
+    assert X_WO[6] == pytest.approx(0.16 + 0.05, abs=0.002)  # on the rack's plate
+
+
+def test_a_plan_without_its_last_skill_does_not_reach_the_goal(folder: Path, record: Record) -> None:
+    plan = read_plan(folder / "first" / record.problem / "plan.yaml")
+    assert not plan._replace(attempts=plan.attempts[:-1]).replay().reached
+
+
+def test_the_plan_file_is_plain_yaml_in_si_units(folder: Path, record: Record) -> None:
+    content = yaml.safe_load((folder / "first" / record.problem / "plan.yaml").read_text())
+    assert content["skeleton"] == ["pick(red_box, table)", "place(red_box, rack)"]
+    segments = [segment for step in content["steps"] for segment in step["segments"]]
+    clock = 0.0
+    for segment in segments:
+        assert segment["start"] == pytest.approx(clock)
+        clock += segment["duration"]
+        assert len(segment["knots"]) == len(segment["control_points"]) + segment["order"]
+        assert segment["knots"][-1] == pytest.approx(segment["duration"])
+        assert np.shape(segment["control_points"])[1:] == (7,)
+    forces = [segment["gripper"]["force"] for segment in segments]
+    assert forces[0] == forces[-1] == 0.0 < max(forces)
+
+
+def test_a_plan_is_read_back_as_it_was_written(folder: Path, record: Record, tmp_path: Path) -> None:
+    path = folder / "first" / record.problem / "plan.yaml"
+    plan = read_plan(path)
+    assert isinstance(plan.c, Configuration)
+    write_plan(plan, tmp_path / "plan.yaml")
+    assert (tmp_path / "plan.yaml").read_text() == path.read_text()
+
+
+def test_the_same_seed_gives_the_same_record_and_plan(folder: Path, record: Record) -> None:
+    again = run("plan", "scene.yaml", "--out", "second", *LIMIT, folder=folder, hash_seed=2)
+    assert again.returncode == COMPLETE, again.stderr
+    (other,) = read_records(folder / "second" / "results.jsonl").values()
+    assert timeless(other) == timeless(record)
+    for file in ("plan.yaml", "tree.json"):
+        first, second = ((folder / out / "scene" / file).read_bytes() for out in ("first", "second"))
+        assert first == second
+
+
+def test_a_finished_run_has_nothing_left_to_do(
+    folder: Path, record: Record, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (folder / "first" / "results.jsonl").read_bytes()
+    arguments = [str(folder / "scene.yaml"), "--out", str(folder / "first"), "--resume", *LIMIT]
+    assert program.main("ictamp_drake.plan", Plan, work, arguments) == COMPLETE
+    assert "0 problems to solve, 1 done before" in capsys.readouterr().out
+    assert (folder / "first" / "results.jsonl").read_bytes() == before
+    assert record.is_final
+
+
+def refuse(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """The sentence with which the program refuses the arguments."""
+    assert program.main("ictamp_drake.plan", Plan, work, arguments) == BAD_INPUT
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.count("\n") == 1
+    return output.err.strip()
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("(on red_box rack)", "(on green_box rack)"), 'goal: object "green_box" in (on green_box rack) is not in the'),
+        (("(on red_box rack)", "(on red_box table)"), "goal: (on red_box table) already holds in the initial state"),
+        (("(on red_box rack)", "(and (on red_box rack) (on red_box table))"), "puts red_box in more than one place"),
+        (("goal:", "gaol:"), "unknown field 'gaol'; valid are: arm, supports, boxes, goal"),
+        (("[0.5, 0.3, 0.04]", "[0.46, 0.11, 0.04]"), "overlap"),
+        (
+            ("[0.5, 0.3, 0.04]", "[0.5, 0.3, 0.14]"),
+            "boxes.blue_box.position is [0.5, 0.3, 0.14], where nothing carries",
+        ),
+        (("[0.05, 0.05, 0.08]", "[0.09, 0.09, 0.08]"), "boxes.blue_box.size is [0.09, 0.09, 0.08]: too wide for the"),
+    ],
+)
+def test_a_bad_scene_is_refused_in_one_sentence(
+    change: tuple[str, str], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(SCENE.replace(*change))
+    message = refuse(capsys, str(path), "--out", str(tmp_path / "out"))
+    assert message.startswith(f"{path}: ")
+    assert sentence in message
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_missing_scene_is_named(folder: Path) -> None:
+    missing = run("plan", "nowhere.yaml", folder=folder)
+    assert missing.returncode == BAD_INPUT
+    assert missing.stderr == "nowhere.yaml: cannot be read: No such file or directory\n"
+    assert missing.stdout == ""
+
+
+def test_a_changed_scene_does_not_go_on_in_the_folder_of_the_old_one(
+    folder: Path, record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert record.solved
+    path = tmp_path / "scene.yaml"
+    path.write_text(SCENE.replace("[0.5, 0.3, 0.04]", "[0.5, 0.31, 0.04]"))
+    message = refuse(capsys, str(path), "--out", str(folder / "first"), *LIMIT)
+    assert "scene.boxes.blue_box.position [0.5, 0.31, 0.04], since it was made with [0.5, 0.3, 0.04]" in message
