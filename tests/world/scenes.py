@@ -1,0 +1,57 @@
+"""Small scenes for the tests of `world` and `skills`: boxes by name on a table with a rack, posed by hand."""
+
+import numpy as np
+from pydrake.math import RigidTransform, RollPitchYaw
+
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.shapes import BOX_SIZES
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
+from ictamp_drake.world.poses import to_pose
+from ictamp_drake.world.world import World
+
+TABLE = SupportSpec("table", (0.3, 0.0, 0.0))
+RACK = SupportSpec("rack", (0.44, -0.33, 0.16), yaw=90.0)
+RACK_TOP = 0.16
+SIZES = BOX_SIZES
+
+
+def box(
+    name: str, position: tuple[float, float, float], rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> BoxSpec:
+    """One of the boxes of the packing problems, its centre at a position [m], turned by roll, pitch, yaw [deg]."""
+    return BoxSpec(SIZES[name], position, rotation)
+
+
+def scene(boxes: dict[str, BoxSpec]) -> SceneSpec:
+    """Boxes on a table with a rack, without a goal that matters."""
+    goal = f"(on {min(boxes)} table)"
+    return SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=boxes, goal=goal)
+
+
+def standing(
+    *names: str, x: float = 0.5, y: float = 0.1, floor: float = 0.0, yaws: tuple[float, ...] = ()
+) -> dict[str, BoxSpec]:
+    """A tower of boxes from the bottom up, its foot at x, y on a floor of that height [m]; yaws in [deg]."""
+    boxes = {}
+    for name, yaw in zip(names, yaws or (0.0,) * len(names), strict=True):
+        height = SIZES[name][2]
+        boxes[name] = box(name, (x, y, floor + height / 2), (0.0, 0.0, yaw))
+        floor += height
+    return boxes
+
+
+def pose(x: float, y: float, z: float, *, roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> FloatArray:
+    """Pose array of a position [m] and angles [deg]."""
+    return to_pose(RigidTransform(RollPitchYaw(np.radians([roll, pitch, yaw])), [x, y, z]))
+
+
+def arranged(world: World, poses: dict[str, FloatArray], held: str | None = None) -> Configuration:
+    """The initial configuration with some boxes elsewhere."""
+    c = world.initial_configuration()
+    return Configuration(c.q, {**c.poses, **poses}, held, c.gripper)
+
+
+def far_boxes() -> dict[str, BoxSpec]:
+    """The four boxes, each alone on the table."""
+    spots = {"yellow_box": 0.0, "red_box": 0.12, "cyan_box": 0.24, "blue_box": 0.36}
+    return {name: box(name, (0.6, y, SIZES[name][2] / 2)) for name, y in spots.items()}
