@@ -24,7 +24,7 @@ PORTS = (1024, 65535)
 FIELD_OF_VIEW = 38.0
 """Vertical, of the camera [deg]."""
 
-DIRECTION = np.array([0.80, -0.46, 0.38])
+DIRECTION = np.array([0.800, 0.400, 0.447])
 """From the scene to the camera in the arm's base frame B, a unit vector."""
 
 ARM_HEIGHT = 0.6
@@ -86,14 +86,14 @@ def _quiet_drake() -> Iterator[None]:
 
 
 def viewpoint(spec: SceneSpec) -> tuple[FloatArray, FloatArray]:
-    """Where to look from and at, in W [m], shape (3,) each: from the arm's front right, far enough to see it all."""
+    """Where to look from and at, in W [m], shape (3,) each: from the arm's front left, far enough to see it all."""
     towards = RotationMatrix.MakeZRotation(np.deg2rad(spec.arm.yaw)) @ DIRECTION
     corners = [_corners(support) for support in spec.supports.values()]
     base = np.array(spec.arm.position)
     points = np.vstack([*corners, base, base + [0.0, 0.0, ARM_HEIGHT]])
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = np.linalg.norm(np.ptp(points, axis=0)) / 2
-    return centre + towards * radius / np.tan(np.deg2rad(FIELD_OF_VIEW / 2)), centre
+    return centre + towards * radius / np.sin(np.deg2rad(FIELD_OF_VIEW / 2)), centre
 
 
 def _corners(support: SupportSpec) -> FloatArray:
