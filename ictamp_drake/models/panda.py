@@ -89,33 +89,35 @@ def _collision_filter(ignored_pairs: Iterable[Pair]) -> list[str]:
     ]
 
 
+def _frame(name: str, attached_to: str, z: float) -> str:
+    return element("frame", [pose((0.0, 0.0, z))], name=name, attached_to=attached_to)
+
+
+def _arm() -> list[str]:
+    links = [_link(f"panda_link{i}", _arm_link_pose(i)) for i in range(8)]
+    joints = [_arm_joint(number, limits) for number, limits in enumerate(constants.ARM_LIMITS, start=1)]
+    return [*links, *joints, _frame("panda_link8", "panda_link7", constants.FLANGE_OFFSET)]
+
+
+def _hand() -> list[str]:
+    fixed = "<parent>panda_link7</parent><child>panda_hand</child>"
+    first, second = constants.FINGER_JOINTS
+    mimic = element("drake:mimic", [], joint=first, multiplier="1", offset="0")
+    return [
+        _link("panda_hand", pose((0.0, 0.0, 0.0), (0.0, 0.0, constants.HAND_ANGLE), "panda_link8")),
+        element("joint", [fixed], name="panda_hand_joint", type="fixed"),
+        _frame("grasp", "panda_hand", constants.GRASP_OFFSET),
+        _finger("panda_leftfinger", 0.0),
+        _finger("panda_rightfinger", math.pi),
+        _finger_joint(first, "panda_leftfinger", ""),
+        _finger_joint(second, "panda_rightfinger", mimic),
+    ]
+
+
 def panda_sdf(ignored_pairs: Iterable[Pair]) -> str:
     """The model `panda`: base link panda_link0, flange frame panda_link8, frame `grasp` (G) between the pads.
 
     Args:
         ignored_pairs: links that are never tested for collision with each other.
     """
-    links = [_link(f"panda_link{i}", _arm_link_pose(i)) for i in range(8)]
-    joints = [_arm_joint(number, limits) for number, limits in enumerate(constants.ARM_LIMITS, start=1)]
-    flange = element(
-        "frame", [pose((0.0, 0.0, constants.FLANGE_OFFSET))], name="panda_link8", attached_to="panda_link7"
-    )
-    grasp = element("frame", [pose((0.0, 0.0, constants.GRASP_OFFSET))], name="grasp", attached_to="panda_hand")
-    hand = _link("panda_hand", pose((0.0, 0.0, 0.0), (0.0, 0.0, constants.HAND_ANGLE), "panda_link8"))
-    fixed = "<parent>panda_link7</parent><child>panda_hand</child>"
-    first, second = constants.FINGER_JOINTS
-    mimic = element("drake:mimic", [], joint=first, multiplier="1", offset="0")
-    children = [
-        *links,
-        flange,
-        hand,
-        grasp,
-        _finger("panda_leftfinger", 0.0),
-        _finger("panda_rightfinger", math.pi),
-        *joints,
-        element("joint", [fixed], name="panda_hand_joint", type="fixed"),
-        _finger_joint(first, "panda_leftfinger", ""),
-        _finger_joint(second, "panda_rightfinger", mimic),
-        *_collision_filter(ignored_pairs),
-    ]
-    return document(element("model", children, name="panda"))
+    return document(element("model", [*_arm(), *_hand(), *_collision_filter(ignored_pairs)], name="panda"))

@@ -137,43 +137,60 @@ def test_masses_in_the_plant_are_the_constants(plant: MultibodyPlant) -> None:
 APPROXIMATIONS = (DiscreteContactApproximation.kSap, DiscreteContactApproximation.kLagged)
 
 
-def grip(approximation: DiscreteContactApproximation, force: float, seconds: float, start: float) -> np.ndarray:
-    """Finger positions after pushing both fingers of a hand without gravity, a free box between them."""
-    builder = DiagramBuilder()
-    plant, _ = add_panda(builder, 0.002)
-    plant.set_discrete_contact_approximation(approximation)
-    parser = Parser(plant)
-    sdf = models.box_sdf("box", (BOX_WIDTH, BOX_WIDTH, 0.1), 0.1, 1.0, (1.0, 0.0, 0.0))
-    parser.AddModelsFromString(sdf, "sdf")
-    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
-    plant.Finalize()
-    diagram = builder.Build()
-    simulator = Simulator(diagram)
-    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
-    panda = plant.GetModelInstanceByName("panda")
-    for joint, angle in zip(models.ARM_JOINTS, models.HOME, strict=True):
-        plant.GetJointByName(joint).set_angle(context, angle)
-        plant.GetJointByName(joint).Lock(context)
-    for joint in models.FINGER_JOINTS:
-        plant.GetJointByName(joint).set_translation(context, start)
-    X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(context)
-    plant.SetFreeBodyPose(context, plant.GetBodyByName("box"), X_WG)
-    plant.get_actuation_input_port().FixValue(context, np.r_[np.zeros(7), force, force])
-    simulator.AdvanceTo(seconds)
-    return np.asarray(plant.GetPositions(context, panda)[7:])
+class Hand:
+    """A hand on a locked arm that points down, with a free box between the open fingers."""
+
+    def __init__(self, approximation: DiscreteContactApproximation, opening: float, gravity: float = 0.0) -> None:
+        builder = DiagramBuilder()
+        plant, _ = add_panda(builder, 0.002)
+        plant.set_discrete_contact_approximation(approximation)
+        sdf = models.box_sdf("box", (BOX_WIDTH, BOX_WIDTH, 0.06), 0.1, 1.0, (1.0, 0.0, 0.0))
+        Parser(plant).AddModelsFromString(sdf, "sdf")
+        plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
+        plant.Finalize()
+        self.plant = plant
+        self.simulator = Simulator(builder.Build())
+        self.context = plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
+        for joint, angle in zip(models.ARM_JOINTS, models.HOME, strict=True):
+            plant.GetJointByName(joint).set_angle(self.context, angle)
+            plant.GetJointByName(joint).Lock(self.context)
+        for joint in models.FINGER_JOINTS:
+            plant.GetJointByName(joint).set_translation(self.context, opening / 2)
+        X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(self.context)
+        plant.SetFreeBodyPose(self.context, plant.GetBodyByName("box"), X_WG)
+
+    def push(self, force: float, seconds: float) -> np.ndarray:
+        """Finger positions after pushing both fingers outwards with a force [N] for some time."""
+        self.plant.get_actuation_input_port().FixValue(self.context, np.r_[np.zeros(7), force, force])
+        self.simulator.AdvanceTo(self.simulator.get_context().get_time() + seconds)
+        panda = self.plant.GetModelInstanceByName("panda")
+        return np.asarray(self.plant.GetPositions(self.context, panda)[7:])
+
+    def box_height(self) -> float:
+        return float(self.plant.GetBodyByName("box").EvalPoseInWorld(self.context).translation()[2])
 
 
 @pytest.mark.parametrize("approximation", APPROXIMATIONS)
 def test_hand_opens_to_its_full_width(approximation: DiscreteContactApproximation) -> None:
-    fingers = grip(approximation, 5.0, 0.2, start=0.03)
+    fingers = Hand(approximation, opening=0.06).push(5.0, 0.2)
     np.testing.assert_allclose(2.0 * fingers, models.GRIPPER_MAX_WIDTH, atol=1e-4)
 
 
 @pytest.mark.parametrize("approximation", APPROXIMATIONS)
 def test_hand_closes_on_a_box_and_stops_at_its_surface(approximation: DiscreteContactApproximation) -> None:
-    fingers = grip(approximation, -40.0, 0.3, start=0.035)
+    fingers = Hand(approximation, opening=0.07).push(-40.0, 0.3)
     assert abs(fingers[0] - fingers[1]) < 1e-4
     np.testing.assert_allclose(fingers, BOX_WIDTH / 2, atol=5e-4)
+
+
+@pytest.mark.parametrize("approximation", APPROXIMATIONS)
+def test_a_gripped_box_is_held_against_gravity(approximation: DiscreteContactApproximation) -> None:
+    hand = Hand(approximation, opening=BOX_WIDTH, gravity=9.81)
+    start = hand.box_height()
+    hand.push(-30.0, 1.0)
+    assert abs(hand.box_height() - start) < 1e-4
+    hand.push(5.0, 0.2)
+    assert hand.box_height() < start - 0.05
 
 
 def test_fingers_move_together_when_only_one_is_driven() -> None:
