@@ -3,7 +3,7 @@
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.models.shapes import BOX_SIZES
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.poses import to_pose
@@ -55,3 +55,14 @@ def far_boxes() -> dict[str, BoxSpec]:
     """The four boxes, each alone on the table."""
     spots = {"yellow_box": 0.0, "red_box": 0.12, "cyan_box": 0.24, "blue_box": 0.36}
     return {name: box(name, (0.6, y, SIZES[name][2] / 2)) for name, y in spots.items()}
+
+
+def stay(c: Configuration, duration: float, gripper: GripperCommand | None = None, label: str = "stay") -> Segment:
+    """The arm stands still where it is in c while the hand obeys a command, c's own by default."""
+    return Segment(label, duration, gripper or c.gripper, 1, np.array([0.0, duration]), c.q[None, :7])
+
+
+def way(label: str, q0: FloatArray, q1: FloatArray, duration: float, gripper: GripperCommand) -> Segment:
+    """A smooth spline from rest at q0 to rest at q1, both of shape (7,) [rad]."""
+    knots = np.repeat([0.0, duration], 6)
+    return Segment(label, duration, gripper, 6, knots, np.array([q0, q0, q0, q1, q1, q1]))

@@ -212,9 +212,8 @@ def test_h_is_complete_and_agrees_with_eval(
         if name in carried:
             where = "on" if Atom("upright", (name,)) in state else "lying"
             assert Atom(where, (name, carried[name])) in state
-        if name in carried or name == held:
-            bare = name != held and name not in carried.values()
-            assert (Atom("clear", (name,)) in state) == bare or set(NAMES) - carried.keys() - {held}
+        bare = name != held and name not in carried.values()
+        assert (Atom("clear", (name,)) in state) == bare
     for predicate, arity in {"on": 2, "lying": 2, "in-hand": 1, "clear": 1, "upright": 1, "tipped": 1}.items():
         pairs = [(a, b) for a in NAMES for b in (*NAMES, "rack", "table") if a != b]
         for args in pairs if arity == 2 else [(name,) for name in NAMES]:
@@ -245,7 +244,7 @@ def _moved(spec: SceneSpec, x: float, y: float, yaw: float) -> SceneSpec:
         },
         boxes={
             n: dataclasses.replace(
-                each, position=place(each.position), rotation=(*each.rotation[:2], each.rotation[2] + turn)
+                each, position=place(each.position), rotation=(*each.rotation[:2], each.rotation[2] + yaw)
             )
             for n, each in spec.boxes.items()
         },
