@@ -36,7 +36,7 @@ def replay(
     c: Configuration,
     attempts: Sequence[Attempt[Configuration]],
 ) -> Replay:
-    """Execute the motions of a plan from c, one right after the other; no box is locked."""
+    """Execute the motions of a plan from c, one right after the other."""
     simulator = physics.create(spec)
     motion = [segment for attempt in attempts for segment in attempt.motion]
     frames: list[Frame] = []

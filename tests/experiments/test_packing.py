@@ -18,8 +18,8 @@ from tests.runs.programs import command, environment, run, timeless
 
 SHORT = ("--max-steps", "1", "--artefacts", "none", "--time-limit", "250")
 """Options with which a problem takes a second or two and is not solved."""
-LONG = ("--sampler", "uniform", "--skills.draws", "1", "--artefacts", "none", "--time-limit", "250")
-"""Options with which a problem is not over before somebody interferes."""
+LONG = ("--max-steps", "8", "--sampler", "uniform", "--skills.draws", "1", *SHORT[2:])
+"""Options with which a problem takes some seconds more."""
 
 
 def results(folder: Path) -> dict[str, Record]:
@@ -94,44 +94,51 @@ def test_kill_9_in_mid_run_loses_no_finished_problem(tmp_path: Path) -> None:
     assert len((tmp_path / "out" / "results.jsonl").read_text().splitlines()) == 3
 
 
+def wait_for_second_problem(folder: Path) -> None:
+    """Wait until the only worker is at the second problem, which lies right behind the first."""
+    wait_until(lambda: results(folder))
+    time.sleep(1)
+
+
 def test_ctrl_c_ends_the_run_cleanly_and_the_stopped_problem_is_tried_again(tmp_path: Path) -> None:
     with started(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
-        wait_until(lambda: workers(process))
-        time.sleep(3)
+        wait_for_second_problem(tmp_path)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         output, errors = process.communicate(timeout=200)
     assert process.returncode == INTERRUPTED
     assert errors == ""
     assert "Interrupted; the same command with --out out goes on." in output
-    (record,) = results(tmp_path).values()
-    assert record.stop_reason == "STOPPED"
-    assert not record.is_final
+    first, second = results(tmp_path).values()
+    assert first.stop_reason == "OUT_OF_STEPS"
+    assert first.is_final
+    assert second.stop_reason == "STOPPED"
+    assert not second.is_final
 
-    again = run("experiments.packing", "--out", "out", "--problems", "0", "--max-steps", "1", *LONG, folder=tmp_path)
-    assert again.returncode == BAD_INPUT
-    assert again.stderr.startswith("out: cannot be continued with --max-steps 1, since it was made with null")
+    again = run("experiments.packing", "--out", "out", "--problems", "0:2", "--workers", "1", *LONG, folder=tmp_path)
+    assert again.returncode == COMPLETE, again.stderr
+    assert "1 problem to solve, 1 done before" in again.stdout
+    assert results(tmp_path)["easy-000"] == first
+    assert results(tmp_path)["easy-001"].stop_reason == "OUT_OF_STEPS"
 
 
 def test_a_worker_that_dies_is_a_record_and_the_others_go_on(tmp_path: Path) -> None:
-    with started(tmp_path, "--problems", "0:2", "--workers", "1", "--max-steps", "6", *LONG) as process:
-        wait_until(lambda: workers(process))
-        wait_until(lambda: "numpy" in Path(f"/proc/{workers(process)[0]}/maps").read_text())
-        time.sleep(2)
+    with started(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
+        wait_for_second_problem(tmp_path)
         os.kill(workers(process)[0], signal.SIGKILL)
         output, errors = process.communicate(timeout=200)
     assert process.returncode == BROKEN, errors
-    first, second = results(tmp_path).values()
-    assert first.stop_reason == "CRASHED"
-    assert first.error is not None
-    assert "the process died" in first.error
-    assert second.stop_reason == "OUT_OF_STEPS"
-    assert "easy-000: CRASHED" in output
+    first, second, third = results(tmp_path).values()
+    assert first.stop_reason == third.stop_reason == "OUT_OF_STEPS"
+    assert second.stop_reason == "CRASHED"
+    assert second.error is not None
+    assert "the process died" in second.error
+    assert second.planning_time_s > 0
+    assert "easy-001: CRASHED" in output
 
 
 def test_a_problem_that_hangs_is_ended(tmp_path: Path) -> None:
-    out = run(
-        "experiments.packing", "--out", "out", "--problems", "0", *LONG[:-1], "0.1", "--grace", "0", folder=tmp_path
-    )
+    limits = ("--time-limit", "0.1", "--grace", "0")
+    out = run("experiments.packing", "--out", "out", "--problems", "0", *limits, folder=tmp_path)
     assert out.returncode == BROKEN
     (record,) = results(tmp_path).values()
     assert record.stop_reason == "HUNG"
@@ -140,7 +147,7 @@ def test_a_problem_that_hangs_is_ended(tmp_path: Path) -> None:
 
 def test_the_hash_seed_changes_nothing(tmp_path: Path) -> None:
     """On a problem that takes failures and more than one plan, without being solved."""
-    options = ("--problems", "1", "--max-steps", "5", "--sampler", "uniform", "--skills.draws", "1")
+    options = ("--problems", "1", "--max-steps", "3", "--sampler", "uniform", "--skills.draws", "1")
     for seed in (1, 2):
         folder = tmp_path / str(seed)
         folder.mkdir()
@@ -150,7 +157,7 @@ def test_the_hash_seed_changes_nothing(tmp_path: Path) -> None:
         assert done.returncode == COMPLETE, done.stderr
     first, second = (results(tmp_path / str(seed))["easy-001"] for seed in (1, 2))
     assert timeless(first) == timeless(second)
-    assert first.low_level_steps == 5
+    assert first.low_level_steps == 3
     trees = [(tmp_path / str(seed) / "out" / "easy-001" / "tree.json").read_bytes() for seed in (1, 2)]
     assert trees[0] == trees[1]
 

@@ -1,0 +1,78 @@
+"""The command line that is derived from the options."""
+
+import pytest
+import tyro
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.options import Conduct, Estimators, Generators, Method, Samplers, choices, chosen
+
+
+def test_every_constant_can_be_set_on_the_command_line() -> None:
+    method = tyro.cli(
+        Method,
+        args=[
+            *("--planner.rule.W", "7", "--samplers.optimisation.restarts", "3", "--physics.time-step", "0.002"),
+            *("--skills.pick.force", "20", "--generators.best-first.weight", "1.5", "--predicates.tilt", "0.2"),
+            *("--estimators.constant.P", "0.5", "--skills.motion.padding", "0.01"),
+        ],
+    )
+    assert method.planner.rule.W == 7
+    assert method.samplers.optimisation.restarts == 3
+    assert method.physics.time_step == 0.002
+    assert method.skills.pick.force == 20
+    assert method.skills.motion.padding == 0.01
+    assert method.generators.best_first.weight == 1.5
+    assert method.predicates.tilt == 0.2
+    assert method.estimators.constant.P == 0.5
+
+
+def test_without_options_the_command_line_gives_the_defaults() -> None:
+    assert tyro.cli(Method, args=[]) == Method()
+
+
+@pytest.mark.parametrize(
+    "configs", [Samplers(), Estimators(), Generators()], ids=lambda configs: type(configs).__name__
+)
+def test_each_choice_names_a_configuration(configs: object) -> None:
+    names = choices(type(configs))
+    assert len(names) == len({id(chosen(configs, name)) for name in names})
+    assert all(hasattr(chosen(configs, name), "create") for name in names)
+    assert not any("_" in name for name in names)
+
+
+def test_the_defaults_are_among_the_choices() -> None:
+    method = Method()
+    assert method.sampler in choices(Samplers)
+    assert method.estimator in choices(Estimators)
+    assert method.generator in choices(Generators)
+
+
+@pytest.mark.parametrize(("elapsed", "left"), [(0.0, 10.0), (4.0, 6.0), (12.0, 0.0)])
+def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) -> None:
+    method = Method(time_limit=10.0, max_steps=5)
+    budget = method.planner_config(elapsed).budget
+    assert budget.seconds == left
+    assert budget.steps == 5
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        lambda: Method(time_limit=-1.0),
+        lambda: Method(time_limit=float("nan")),
+        lambda: Method(max_steps=-1),
+        lambda: Method(seed=-1),
+        lambda: Method(sampler="best_first"),
+        lambda: Method(estimator=""),
+        lambda: Method(generator="breadth_first"),
+        lambda: Conduct(workers=0),
+        lambda: Conduct(grace=-1.0),
+    ],
+)
+def test_senseless_values_are_refused(bad) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(IctampError, match="must be"):
+        bad()
+
+
+def test_the_live_view_takes_one_worker() -> None:
+    assert Conduct(meshcat=True, workers=4).workers == 1

@@ -1,0 +1,84 @@
+"""results.jsonl: what is written is read back, whatever interrupts the writing."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.records import Record, append, drop_torn_line, read_records
+
+counts = st.dictionaries(st.text(max_size=8), st.integers(0, 99), max_size=3)
+records = st.builds(
+    Record,
+    problem=st.text(min_size=1, max_size=8),
+    level=st.none() | st.text(max_size=5),
+    seed=st.integers(0, 2**63 - 1),
+    interference=st.lists(st.text(max_size=5), max_size=3).map(tuple),
+    solved=st.booleans(),
+    verified=st.none() | st.booleans(),
+    stop_reason=st.sampled_from(["SOLVED", "STOPPED", "CRASHED"]),
+    planning_time_s=st.floats(0, 1e6),
+    plan_length=st.none() | st.integers(0, 50),
+    failures=counts,
+    blocked=st.dictionaries(st.text(max_size=8), counts, max_size=3),
+    error=st.none() | st.text(),
+    load=st.tuples(*[st.floats(0, 100)] * 3),
+)
+
+
+def record(problem: str, **values: object) -> Record:
+    return Record(
+        **{"level": None, "seed": 0, "stop_reason": "SOLVED", "planning_time_s": 1.0, **values}, problem=problem
+    )  # type: ignore[arg-type]
+
+
+@given(written=st.lists(records, max_size=5, unique_by=lambda record: record.problem), torn=st.binary(max_size=20))
+def test_whole_lines_survive_a_torn_one(
+    written: list[Record], torn: bytes, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.mktemp("records") / "results.jsonl"
+    for each in written:
+        append(each, path)
+    with path.open("ab") as file:
+        file.write(torn.replace(b"\n", b""))
+    drop_torn_line(path)
+    assert list(read_records(path).values()) == written
+
+
+def test_the_last_record_of_a_problem_counts(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    for each in (record("a", solved=False), record("b"), record("a", solved=True)):
+        append(each, path)
+    assert list(read_records(path)) == ["b", "a"]
+    assert read_records(path)["a"].solved
+
+
+def test_no_file_holds_no_records(tmp_path: Path) -> None:
+    drop_torn_line(tmp_path / "results.jsonl")
+    assert read_records(tmp_path / "results.jsonl") == {}
+
+
+@pytest.mark.parametrize("line", ["no json", "[]", "{}", '{"problem": "a", "colour": 1}'])
+def test_a_line_that_is_no_record_is_named(line: str, tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    append(record("a"), path)
+    with path.open("a") as file:
+        file.write(line + "\n")
+    with pytest.raises(IctampError, match=r"results.jsonl: line 2 is not a record"):
+        read_records(path)
+
+
+@pytest.mark.parametrize(
+    ("values", "final"),
+    [
+        ({}, True),
+        ({"stop_reason": "OUT_OF_TIME"}, True),
+        ({"stop_reason": "STOPPED"}, False),
+        ({"stop_reason": "CRASHED", "error": "Traceback"}, False),
+        ({"error": "a picture could not be drawn"}, False),
+    ],
+)
+def test_only_what_came_to_its_own_end_is_final(values: dict[str, object], final: bool) -> None:
+    assert record("a", **values).is_final is final

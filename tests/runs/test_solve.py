@@ -1,0 +1,74 @@
+"""One scene, in this process."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ictamp_drake.planning.events import StepDone
+from ictamp_drake.planning.result import StopReason
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.records import record_of
+from ictamp_drake.runs.replay import starts
+from ictamp_drake.runs.solve import Solution, prepare, solve
+from tests.runs.programs import SCENE
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.yaml"
+    path.write_text(SCENE)
+    return path
+
+
+def first_k(scene: Path, seed: int) -> list[float]:
+    method = Method(seed=seed, max_steps=1, time_limit=250)
+    (step,) = solve(prepare(scene, method), method).result.tree.steps
+    assert step.attempt.k is not None
+    return step.attempt.k.tolist()
+
+
+def test_the_seed_decides_the_parameters(scene: Path) -> None:
+    assert first_k(scene, 0) == first_k(scene, 0) != first_k(scene, 1)
+
+
+def test_a_solution_has_a_replay_that_follows_the_plan(scene: Path) -> None:
+    method = Method(time_limit=250)
+    events: list[object] = []
+    solution = solve(prepare(scene, method), method, [events.append])
+    assert solution.replay is not None
+    assert solution.result.plan is not None
+    motion = [segment for attempt in solution.result.plan for segment in attempt.motion]
+    assert starts(solution.result.plan) == [0.0, sum(segment.duration for segment in solution.result.plan[0].motion)]
+    times = np.array([frame.time for frame in solution.replay.frames])
+    assert times[0] < 0.1
+    assert np.all(np.diff(times) > 0)
+    assert times[-1] >= sum(segment.duration for segment in motion)
+    assert solution.replay.frames[0].c.poses.keys() == solution.task.c.poses.keys()
+    assert sum(isinstance(event, StepDone) for event in events) == solution.result.low_level_steps
+    assert solution.task.goal <= solution.task.abstraction(solution.replay.c)
+
+
+def stopped(scene: Path, method: Method, after: int) -> Solution:
+    """The search, stopped from outside after some steps."""
+    events: list[object] = []
+    task = prepare(scene, method)
+    return solve(task, method, [events.append], lambda: sum(isinstance(e, StepDone) for e in events) >= after)
+
+
+def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
+    solution = stopped(scene, Method(time_limit=250), after=1)
+    assert solution.result.stop_reason is StopReason.STOPPED
+    assert solution.replay is None
+    record = record_of("scene", None, 0, solution)
+    assert record.low_level_steps == 1
+    assert record.plan_length is None
+    assert not record.is_final
+
+
+def test_time_spent_before_the_search_counts(scene: Path) -> None:
+    method = Method(time_limit=0.0)
+    solution = solve(prepare(scene, method), method)
+    assert solution.result.stop_reason is StopReason.OUT_OF_TIME
+    assert solution.result.low_level_steps == 0
+    assert solution.planning_time_s > solution.result.planning_time_s
