@@ -15,5 +15,8 @@ class Stream(IntEnum):
 
 
 def generator(stream: Stream, *seed: int) -> np.random.Generator:
-    """A generator for the stream, keyed by any number of non-negative integers (seed, problem number, ...)."""
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence((int(stream), *seed))))
+    """A generator for the stream, keyed by any number of non-negative integers (seed, problem number, ...).
+
+    The number of keys is one of them, since a SeedSequence ignores zeros at its end.
+    """
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence((int(stream), len(seed), *seed))))

@@ -1,6 +1,6 @@
 """f, the transition: what physics makes of a configuration and a motion."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -117,7 +117,6 @@ class Physics:
         c: Configuration,
         motion: Sequence[Segment],
         *,
-        locked: Collection[str] = (),
         watch: Watcher | None = None,
         record: Callable[[Frame], None] | None = None,
     ) -> Outcome:
@@ -126,11 +125,10 @@ class Physics:
         Args:
             c: where to start.
             motion: segments one after the other; empty just lets the scene settle.
-            locked: boxes that stay where they are, for speed: only those that nothing comes near.
             watch: may end the simulation early.
             record: is given a frame every `record_period`.
         """
-        self._start(c, motion, locked)
+        self._start(c, motion)
         self._record(record)
         time = 0.0
         for index, segment in enumerate(motion):
@@ -147,7 +145,7 @@ class Physics:
             settled = self._at_rest()
         return Outcome(self.configuration(), settled)
 
-    def _start(self, c: Configuration, motion: Sequence[Segment], locked: Collection[str]) -> None:
+    def _start(self, c: Configuration, motion: Sequence[Segment]) -> None:
         end = sum(segment.duration for segment in motion) + self.config.settle_time + 2 * self.config.settle_check
         self._positions.UpdateTrajectory(desired_positions(c.q[:7], c.gripper, motion, end))
         self._efforts.UpdateTrajectory(feedforward(c.gripper, motion, end))
@@ -156,11 +154,8 @@ class Physics:
         plant, context = self._plant, self._context
         plant.SetPositions(context, self.bodies.arm, c.q)
         for name, body in self.bodies.boxes.items():
-            body.Unlock(context)
             plant.SetPositions(context, body.model_instance(), c.poses[name])
         plant.SetVelocities(context, np.zeros(plant.num_velocities()))
-        for name in locked:
-            self.bodies.boxes[name].Lock(context)
         self._simulator.Initialize()
 
     def _record(self, record: Callable[[Frame], None] | None) -> None:
