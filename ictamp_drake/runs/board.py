@@ -49,6 +49,7 @@ class Board:
     def __init__(self, context: SpawnContext, count: int) -> None:
         self._slots = context.RawArray(_Slot, count)
         self._stopping = context.RawValue(ctypes.c_bool, False)
+        self._url = context.RawArray(ctypes.c_char, _TEXT)
 
     @property
     def stopping(self) -> bool:
@@ -58,6 +59,15 @@ class Board:
     def stop(self) -> None:
         """Ask everybody to stop."""
         self._stopping.value = True
+
+    @property
+    def url(self) -> str:
+        """Address of the live view, empty when there is none."""
+        return bytes(self._url.value).decode()
+
+    @url.setter
+    def url(self, address: str) -> None:
+        self._url.value = address.encode()
 
     def start(self, slot: int) -> None:
         """The work on a problem begins."""

@@ -58,7 +58,8 @@ class Progress:
         table = Table.grid(padding=(0, 2))
         for row in running:
             table.add_row(*self._row(row))
-        return Group(Text(), self._heading(board), table)
+        address = [Text(f"live view at {board.url}")] if board.url else []
+        return Group(Text(), self._heading(board), *address, table)
 
     def _heading(self, board: Board) -> Text:
         left = self._total - self._done

@@ -68,7 +68,9 @@ def start_worker(board: Board, meshcat: bool) -> None:
 
     threading.Thread(target=_end_with_parent, daemon=True).start()
     _Process.board = board
-    _Process.view = LiveView() if meshcat else None
+    if meshcat:
+        _Process.view = LiveView()
+        board.url = _Process.view.url
 
 
 def _end_with_parent() -> None:

@@ -90,6 +90,7 @@ class Physics:
                 time_step=config.time_step,
                 contact_model="point",
                 discrete_contact_approximation=config.contact_approximation,
+                sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
             ),
             builder,
         )

@@ -57,12 +57,14 @@ def test_a_terminal_shows_what_is_going_on() -> None:
     console = Console(file=output, force_terminal=True, width=100)
     with Progress(console, ["easy-003", "easy-004"], total=5, solved=2) as progress:
         progress(board, [record("easy-003", solved=True, plan_length=6)])
+        board.url = "http://localhost:7003"
         board.stop()
         progress(board, [])
     shown = output.getvalue()
     assert "4 of 5 done, 3 solved, 1 left" in shown
     assert "easy-004" in shown
     assert "pick(red_box, table)" in shown
+    assert "live view at http://localhost:7003" in shown
     assert "stopping after the steps under way" in shown
 
 
