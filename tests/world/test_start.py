@@ -1,0 +1,52 @@
+"""c_0 of a scene, and the sentences about scenes that cannot start."""
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.scenes.spec import BoxSpec
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.start import start_configuration
+from ictamp_drake.world.world import World
+from tests.world.scenes import box, scene, standing
+
+
+def start(boxes: dict[str, BoxSpec]) -> Configuration:
+    spec = scene(boxes)
+    world = World(spec)
+    return start_configuration(world, Abstraction(world), PhysicsConfig().create(spec), "my.yaml")
+
+
+def test_a_scene_at_rest_starts_where_it_is() -> None:
+    boxes = {**standing("cyan_box", "yellow_box"), "red_box": box("red_box", (0.5, -0.1, 0.025), (90.0, 0.0, 60.6))}
+    c = start(boxes)
+    for name, spec in boxes.items():
+        np.testing.assert_allclose(c.poses[name], spec.X_WO, atol=1e-3)
+    assert c.held is None
+
+
+@pytest.mark.parametrize(
+    ("boxes", "sentence"),
+    [
+        ({**standing("cyan_box"), "red_box": box("red_box", (0.52, 0.1, 0.059))}, "cyan_box and red_box overlap"),
+        ({"red_box": box("red_box", (0.5, 0.1, 0.05))}, "overlap by 9 mm"),
+        ({"red_box": box("red_box", (0.05, 0.0, 0.059))}, "overlap"),
+        ({"red_box": box("red_box", (0.5, 0.1, 0.08))}, r"boxes.red_box.position is \[0.5, 0.1, 0.08\]"),
+        ({"red_box": box("red_box", (2.0, 0.1, 0.059))}, "nothing carries the box"),
+        ({**standing("cyan_box"), "red_box": box("red_box", (0.54, 0.1, 0.129))}, "nothing carries the box"),
+    ],
+)
+def test_a_scene_that_cannot_start_is_refused_in_a_sentence(boxes: dict[str, BoxSpec], sentence: str) -> None:
+    with pytest.raises(IctampError, match=f"my.yaml: .*{sentence}"):
+        start(boxes)
+
+
+def test_a_tower_that_gravity_tears_down_is_refused() -> None:
+    """Each box rests on the one below, but the upper two together tip the middle one over."""
+    boxes = standing("cyan_box")
+    boxes["yellow_box"] = box("yellow_box", (0.524, 0.1, 0.103))
+    boxes["red_box"] = box("red_box", (0.55, 0.1, 0.136 + 0.059))
+    with pytest.raises(IctampError, match=r"my.yaml: boxes .*red_box.* fall or move as soon as gravity acts"):
+        start(boxes)
