@@ -48,7 +48,8 @@ def test_the_record_tells_of_a_verified_plan(record: Record) -> None:
     assert record.problem == "scene"
     assert record.level is None
     assert record.error is None
-    assert record.plan_length == 2 <= record.low_level_steps
+    assert record.plan_length is not None
+    assert 2 <= record.plan_length <= record.low_level_steps
     assert record.replay_time_s is not None
     assert 0 < record.replay_time_s < record.planning_time_s
     stages = sum(record.seconds_by_stage.values())
@@ -56,7 +57,7 @@ def test_the_record_tells_of_a_verified_plan(record: Record) -> None:
 
 
 def test_the_output_names_result_and_replay(done: subprocess.CompletedProcess[str], record: Record) -> None:
-    assert f"scene  solved with 2 skills after {record.planning_time_s:.1f} s" in done.stdout
+    assert f"scene  solved with {record.plan_length} skills after {record.planning_time_s:.1f} s" in done.stdout
     assert "1 of 1" in done.stdout
     assert "Replays: first/scene/replay.html" in done.stdout
     assert done.stderr == ""
@@ -101,7 +102,8 @@ def test_a_plan_without_its_last_skill_does_not_reach_the_goal(folder: Path, rec
 
 def test_the_plan_file_is_plain_yaml_in_si_units(folder: Path, record: Record) -> None:
     content = yaml.safe_load((folder / "first" / record.problem / "plan.yaml").read_text())
-    assert content["skeleton"] == ["pick(red_box, table)", "place(red_box, rack)"]
+    assert content["skeleton"][-1] == "place(red_box, rack)"
+    assert content["skeleton"] == [step["action"] for step in content["steps"]]
     segments = [segment for step in content["steps"] for segment in step["segments"]]
     clock = 0.0
     for segment in segments:

@@ -39,7 +39,8 @@ def test_a_solution_has_a_replay_that_follows_the_plan(scene: Path) -> None:
     assert solution.replay is not None
     assert solution.result.plan is not None
     motion = [segment for attempt in solution.result.plan for segment in attempt.motion]
-    assert starts(solution.result.plan) == [0.0, sum(segment.duration for segment in solution.result.plan[0].motion)]
+    first = sum(segment.duration for segment in solution.result.plan[0].motion)
+    assert starts(solution.result.plan)[:2] == [0.0, first]
     times = np.array([frame.time for frame in solution.replay.frames])
     assert times[0] < 0.1
     assert np.all(np.diff(times) > 0)
