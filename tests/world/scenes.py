@@ -1,7 +1,7 @@
 """Small scenes for the tests of `world` and `skills`: boxes by name on a table with a rack, posed by hand."""
 
 import numpy as np
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.models.shapes import BOX_SIZES
@@ -66,3 +66,15 @@ def way(label: str, q0: FloatArray, q1: FloatArray, duration: float, gripper: Gr
     """A smooth spline from rest at q0 to rest at q1, both of shape (7,) [rad]."""
     knots = np.repeat([0.0, duration], 6)
     return Segment(label, duration, gripper, 6, knots, np.array([q0, q0, q0, q1, q1, q1]))
+
+
+def holding(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Configuration:
+    """The arm at home with the box between its fingers, `drop` [m] further down than the middle of the pads."""
+    c = world.initial_configuration()
+    world.set_configuration(c)
+    X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
+    R_DOWN = RotationMatrix.MakeXRotation(np.pi)
+    X_GO = RigidTransform(R_DOWN.inverse() @ RotationMatrix.MakeXRotation(np.radians(roll)), [0.0, 0.0, drop])
+    side = SIZES[box][1 if roll % 180 == 0 else 2]
+    q = np.append(c.q[:7], [side / 2] * 2)
+    return Configuration(q, {**c.poses, box: to_pose(X_WG @ X_GO)}, box, GripperCommand(side, 30.0))

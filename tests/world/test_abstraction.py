@@ -11,14 +11,13 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import Atom, Configuration, FloatArray, State
 from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec
-from ictamp_drake.skills.geometry import R_DOWN
 from ictamp_drake.symbolic.atoms import held_box, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import Abstraction
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.predicates import PredicateConfig
 from ictamp_drake.world.world import World
-from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, pose, scene
+from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, holding, pose, scene
 
 NAMES = sorted(SIZES)
 CONTACT = PredicateConfig().contact
@@ -33,17 +32,6 @@ def world() -> World:
 @pytest.fixture(scope="module")
 def abstraction(world: World) -> Abstraction:
     return Abstraction(world)
-
-
-def holding(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Configuration:
-    """The box between the fingers, `drop` [m] further down than the middle of the pads."""
-    c = world.initial_configuration()
-    world.set_configuration(c)
-    X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
-    X_GO = RigidTransform(R_DOWN.inverse() @ RotationMatrix.MakeXRotation(np.radians(roll)), [0.0, 0.0, drop])
-    side = SIZES[box][1 if roll % 180 == 0 else 2]
-    q = np.append(c.q[:7], [side / 2] * 2)
-    return Configuration(q, {**c.poses, box: to_pose(X_WG @ X_GO)}, box)
 
 
 def about(state: State, box: str) -> set[str]:

@@ -1,0 +1,65 @@
+"""Everything that a test of skills needs in one scene, put together as a program does it."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ictamp_drake.core.types import Action, Attempt, Configuration, State
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.runner import SamplerConfig, Skills, SkillsConfig
+from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.world import World
+
+OPTIMISATION = OptimisationConfig()
+
+
+@dataclass(frozen=True)
+class Rig:
+    """One scene with its physics and skills."""
+
+    world: World
+    abstraction: Abstraction
+    physics: Physics
+    skills: Skills
+
+    @cached_property
+    def start(self) -> Configuration:
+        """c_0, at rest."""
+        return self.physics.run(self.world.initial_configuration(), ()).c
+
+    @cached_property
+    def domain(self) -> Domain:
+        """The ground actions of the scene."""
+        spec = self.world.spec
+        return Domain.create(sorted(spec.boxes), sorted(spec.supports), self.abstraction(self.start))
+
+    def promised(self, c: Configuration, action: Action) -> State:
+        """What the action promises in c."""
+        return self.domain.successor(self.abstraction(c), action)
+
+    def attempt(self, c: Configuration, action: Action, seed: int = 0) -> Attempt[Configuration]:
+        """One low-level step from c."""
+        return self.skills.attempt(c, action, self.promised(c, action), np.random.default_rng(seed))
+
+
+def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMISATION, draws: int = 8) -> Rig:
+    """The scene with the default physics and skills."""
+    world = World(spec)
+    abstraction = Abstraction(world)
+    physics = PhysicsConfig().create(spec)
+    skills = replace(SkillsConfig(), draws=draws).create(world, abstraction, physics, sampler)
+    return Rig(world, abstraction, physics, skills)
+
+
+def pick(box: str, below: str) -> Action:
+    """pick(box, below)."""
+    return Action("pick", (box, below))
+
+
+def place(box: str, receptacle: str) -> Action:
+    """place(box, receptacle)."""
+    return Action("place", (box, receptacle))

@@ -1,0 +1,76 @@
+"""Each verdict from a hand-made outcome."""
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Atom, Configuration, State
+from ictamp_drake.skills.judge import judge
+from ictamp_drake.world.simulate import Outcome
+
+C = Configuration(np.zeros(9), {})
+PICK, PLACE = Action("pick", ("red", "table")), Action("place", ("red", "rack"))
+
+
+def state(*atoms: str) -> State:
+    """Atoms written as on(a,b)."""
+    parts = (atom.rstrip(")").split("(") for atom in atoms)
+    return frozenset(Atom(name, tuple(args.split(",")) if args else ()) for name, args in parts)
+
+
+PICKED = state("in-hand(red)", "upright(red)", "on(blue,table)", "upright(blue)", "clear(blue)")
+PLACED = state("hand-empty()", "on(red,rack)", "upright(red)", "clear(red)", "on(blue,table)", "upright(blue)")
+STILL_THERE = state(
+    "hand-empty()", "on(red,table)", "upright(red)", "clear(red)", "on(blue,table)", "upright(blue)", "clear(blue)"
+)
+
+
+@pytest.mark.parametrize(
+    ("reached", "promised", "action", "outcome", "failure"),
+    [
+        (PICKED, PICKED, PICK, Outcome(C, True), None),
+        (PLACED, PLACED, PLACE, Outcome(C, True), None),
+        (PICKED, PICKED, PICK, Outcome(C, False), Failure.NOT_SETTLED),
+        (PICKED, PICKED, PICK, Outcome(C, False, stopped_after=2), Failure.NOT_GRASPED),
+        (STILL_THERE, PICKED, PICK, Outcome(C, True), Failure.SLIPPED),
+        (
+            PICKED - state("on(blue,table)") | state("lying(blue,table)"),
+            PICKED,
+            PICK,
+            Outcome(C, True),
+            Failure.OTHER_MOVED,
+        ),
+        (PICKED - state("on(blue,table)"), PICKED, PICK, Outcome(C, True), Failure.OTHER_MOVED),
+        (
+            STILL_THERE - state("on(red,table)", "upright(red)") | state("lying(red,table)", "tipped(red)"),
+            PICKED,
+            PICK,
+            Outcome(C, True),
+            Failure.TOPPLED,
+        ),
+        (
+            PLACED - state("on(red,rack)", "upright(red)") | state("lying(red,rack)", "tipped(red)"),
+            PLACED,
+            PLACE,
+            Outcome(C, True),
+            Failure.TOPPLED,
+        ),
+        (PLACED - state("on(red,rack)") | state("on(red,table)"), PLACED, PLACE, Outcome(C, True), Failure.WRONG_STATE),
+        (PLACED - state("on(red,rack)"), PLACED, PLACE, Outcome(C, True), Failure.WRONG_STATE),
+        (PICKED | state("clear(table)"), PICKED, PICK, Outcome(C, True), Failure.WRONG_STATE),
+    ],
+)
+def test_verdict(reached: State, promised: State, action: Action, outcome: Outcome, failure: Failure | None) -> None:
+    verdict, detail = judge(reached, promised, action, outcome)
+    assert verdict is failure
+    if reached != promised:
+        for atom in promised - reached:
+            assert str(atom) in detail.split("unexpected")[0]
+        for atom in reached - promised:
+            assert str(atom) in detail.split("unexpected")[1]
+    elif failure is None:
+        assert detail == ""
+
+
+def test_an_empty_grasp_names_the_box() -> None:
+    assert "red" in judge(STILL_THERE, PICKED, PICK, Outcome(C, False, stopped_after=2))[1]
