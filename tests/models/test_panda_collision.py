@@ -1,6 +1,6 @@
 """The collision geometry against the meshes of the real links, which are no part of the package."""
 
-from importlib.metadata import PackageNotFoundError, files
+from importlib.metadata import files
 from pathlib import Path
 
 import numpy as np
@@ -26,10 +26,7 @@ TOLERANCE = 1e-4
 def real_link(name: str) -> trimesh.Trimesh:
     """The mesh of the real link, in the link's frame."""
     kind = "finger" if name.endswith("finger") else name.removeprefix("panda_")
-    try:
-        found = files("example-robot-data") or []
-    except PackageNotFoundError:
-        pytest.skip("the meshes of the real links are not installed (PyPI package: example-robot-data)")
+    found = files("example-robot-data") or []
     (path,) = (f for f in found if str(f).endswith(f"panda_description/meshes/visual/{kind}.dae"))
     return trimesh.load(Path(str(path.locate())), force="mesh")
 
