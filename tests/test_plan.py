@@ -106,7 +106,10 @@ def test_the_plan_file_is_plain_yaml_in_si_units(folder: Path, record: Record) -
     assert content["skeleton"] == [step["action"] for step in content["steps"]]
     segments = [segment for step in content["steps"] for segment in step["segments"]]
     clock = 0.0
+    q = content["initial"]["q"][:7]
     for segment in segments:
+        assert segment["control_points"][0] == pytest.approx(q, abs=0.02)  # goes on where the arm is
+        q = segment["control_points"][-1]
         assert segment["start"] == pytest.approx(clock)
         clock += segment["duration"]
         assert len(segment["knots"]) == len(segment["control_points"]) + segment["order"]

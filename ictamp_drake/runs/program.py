@@ -59,6 +59,7 @@ def main(name: str, options: type[T], work: Callable[[T], Work], arguments: Sequ
         print(error, file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
+        print("Interrupted at once; what was finished before is kept.", file=sys.stderr)
         return INTERRUPTED
 
 

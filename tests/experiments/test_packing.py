@@ -146,21 +146,21 @@ def test_a_problem_that_hangs_is_ended(tmp_path: Path) -> None:
     assert record.error == "the process was ended after 0.1 s"
 
 
-def test_the_hash_seed_changes_nothing(tmp_path: Path) -> None:
-    """On a problem that takes failures and more than one plan, without being solved."""
-    options = ("--problems", "1", "--max-steps", "3", "--sampler", "uniform", "--skills.draws", "1")
-    for seed in (1, 2):
-        folder = tmp_path / str(seed)
+def test_neither_hash_seed_nor_workers_change_a_result(tmp_path: Path) -> None:
+    """On problems that meet failures."""
+    options = ("--problems", "0:2", "--max-steps", "3", "--sampler", "uniform", "--skills.draws", "1")
+    for number in (1, 2):
+        folder = tmp_path / str(number)
         folder.mkdir()
-        done = run(
-            "experiments.packing", "--out", "out", *options, "--time-limit", "250", folder=folder, hash_seed=seed
-        )
+        how = ("--workers", str(number), "--time-limit", "250", "--out", "out")
+        done = run("experiments.packing", *options, *how, folder=folder, hash_seed=number)
         assert done.returncode == COMPLETE, done.stderr
-    first, second = (results(tmp_path / str(seed))["easy-001"] for seed in (1, 2))
-    assert timeless(first) == timeless(second)
-    assert first.low_level_steps == 3
-    trees = [(tmp_path / str(seed) / "out" / "easy-001" / "tree.json").read_bytes() for seed in (1, 2)]
-    assert trees[0] == trees[1]
+    first, second = (results(tmp_path / str(number)) for number in (1, 2))
+    assert first.keys() == second.keys() == {"easy-000", "easy-001"}
+    for name in first:
+        assert timeless(first[name]) == timeless(second[name])
+        trees = [(tmp_path / str(number) / "out" / name / "tree.json").read_bytes() for number in (1, 2)]
+        assert trees[0] == trees[1]
 
 
 def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
