@@ -1,0 +1,213 @@
+"""The contract of every sampler of k, and what the optimisation-based one promises besides.
+
+A new sampler is tested by adding its configuration to SAMPLERS.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.types import Action, Configuration, FloatArray
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.scenes.spec import SupportSpec
+from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.runner import SamplerConfig
+from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.world import World
+from tests.skills.rig import pick, place
+from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, holding, pose, scene
+
+SAMPLERS: dict[str, SamplerConfig] = {"uniform": UniformConfig(), "optimisation": OptimisationConfig()}
+CONFIG = OptimisationConfig()
+FAR = SupportSpec("table", (5.0, 0.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def world() -> World:
+    spec = scene(far_boxes())
+    return World(dataclasses.replace(spec, supports={**spec.supports, "far": FAR}))
+
+
+@pytest.fixture(scope="module")
+def arm(world: World) -> ArmKinematics:
+    return ArmKinematics(to_transform(world.spec.arm.X_WB))
+
+
+def situations(world: World) -> dict[str, tuple[Configuration, Action]]:
+    """What a sampler is asked: picks from everywhere, places on everything."""
+    c = world.initial_configuration()
+    tipped = arranged(world, {"red_box": pose(0.5, -0.1, 0.025, roll=90.0, yaw=25.0)})
+    on_rack = arranged(world, {"blue_box": pose(0.44, -0.33, RACK_TOP + 0.053, yaw=10.0)})
+    held, held_tipped = holding(world, "yellow_box"), holding(world, "yellow_box", 90.0)
+    return {
+        "pick from the table": (c, pick("cyan_box", "table")),
+        "pick what is tipped": (tipped, pick("red_box", "table")),
+        "pick from the rack": (on_rack, pick("blue_box", "rack")),
+        "place on the table": (held, place("yellow_box", "table")),
+        "place on the rack": (held, place("yellow_box", "rack")),
+        "place on a box": (held, place("yellow_box", "cyan_box")),
+        "place what is tipped": (held_tipped, place("yellow_box", "rack")),
+    }
+
+
+SITUATIONS = ("pick from the table", "pick what is tipped", "pick from the rack") + (
+    "place on the table",
+    "place on the rack",
+    "place on a box",
+    "place what is tipped",
+)
+
+
+def draws(
+    sampler: Sampler[Configuration], c: Configuration, action: Action, count: int, seed: int = 0
+) -> list[FloatArray | None]:
+    rng = np.random.default_rng(seed)
+    return [sampler.sample(c, action, rng) for _ in range(count)]
+
+
+# every sampler
+
+
+@pytest.mark.parametrize("situation", SITUATIONS)
+@pytest.mark.parametrize("name", SAMPLERS)
+def test_k_is_four_finite_numbers(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
+    c, action = situations(world)[situation]
+    before = c.poses["red_box"].copy()
+    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 5) if k is not None]
+    assert found
+    for k in found:
+        assert k.shape == (4,)
+        assert k.dtype == np.float64
+        assert np.all(np.isfinite(k))
+    np.testing.assert_array_equal(c.poses["red_box"], before)
+
+
+@pytest.mark.parametrize("situation", SITUATIONS)
+@pytest.mark.parametrize("name", SAMPLERS)
+def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
+    """Whatever the sampler was asked in between, and in a sampler of its own."""
+    c, action = situations(world)[situation]
+    sampler = SAMPLERS[name].create(world, arm)
+    first = draws(sampler, c, action, 3)
+    for other_c, other_action in situations(world).values():
+        sampler.sample(other_c, other_action, np.random.default_rng(99))
+    own = SAMPLERS[name].create(world, ArmKinematics(to_transform(world.spec.arm.X_WB)))
+    for again in (draws(sampler, c, action, 3), draws(own, c, action, 3)):
+        assert [k is None for k in again] == [k is None for k in first]
+        for one, other in zip(first, again, strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("situation", SITUATIONS)
+@pytest.mark.parametrize("name", SAMPLERS)
+def test_draws_differ(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
+    c, action = situations(world)[situation]
+    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 8) if k is not None]
+    spread = np.ptp(np.array(found), axis=0)
+    assert len(found) >= 4
+    assert spread[:2].max() > 1e-3
+    assert spread[3] > 1e-3
+
+
+# the optimisation-based one
+
+
+@pytest.fixture(scope="module")
+def sampler(world: World, arm: ArmKinematics) -> Sampler[Configuration]:
+    return CONFIG.create(world, arm)
+
+
+def pose_of_hand(world: World, arm: ArmKinematics, c: Configuration, action: Action, k: FloatArray) -> object:
+    box, other = action.args
+    if action.name == "pick":
+        return grasp_pose(world, c, box, k)
+    return placement_pose(world, c, other, held_bottom(world, c, box, arm.forward(c.q[:7])), k)
+
+
+@pytest.mark.parametrize("situation", SITUATIONS)
+def test_optimised_k_can_be_reached(
+    world: World, arm: ArmKinematics, sampler: Sampler[Configuration], situation: str
+) -> None:
+    c, action = situations(world)[situation]
+    found = [k for k in draws(sampler, c, action, 6) if k is not None]
+    assert len(found) >= 5
+    rng = np.random.default_rng(0)
+    for k in found:
+        X_WG = pose_of_hand(world, arm, c, action, k)
+        q = arm.solve(X_WG, c.q[:7], rng)
+        assert q is not None
+        assert arm.forward(q).IsNearlyEqualTo(X_WG, 2e-3)
+
+
+@pytest.mark.parametrize("situation", [s for s in SITUATIONS if s.startswith("pick")])
+def test_optimised_grasps_are_within_bounds(world: World, sampler: Sampler[Configuration], situation: str) -> None:
+    c, action = situations(world)[situation]
+    size = world.upright(c, action.args[0]).size
+    sides = set()
+    for k in (k for k in draws(sampler, c, action, 8) if k is not None):
+        quarter = round(k[3] / (np.pi / 2))
+        assert abs(k[3] - quarter * np.pi / 2) <= CONFIG.turn + 1e-3
+        across, along = np.abs(k[:2] if quarter % 2 == 0 else k[1::-1])
+        assert across <= CONFIG.grip_offset[1] + 1e-4
+        assert along <= CONFIG.grip_offset[0] + 1e-4
+        assert size[1 - quarter % 2] <= CONFIG.max_width
+        assert size[2] / 2 - k[2] >= min(CONFIG.depth[0], size[2] - CONFIG.ground) - 1e-4
+        assert size[2] / 2 - k[2] <= CONFIG.depth[1] + 1e-4
+        assert k[2] + size[2] / 2 >= CONFIG.ground - 1e-4
+        sides.add(quarter % 2)
+    wide = [i for i in (0, 1) if size[1 - i] <= CONFIG.max_width]
+    assert sides <= set(wide)
+
+
+@pytest.mark.parametrize("situation", [s for s in SITUATIONS if s.startswith("place")])
+def test_optimised_placements_are_within_bounds(world: World, sampler: Sampler[Configuration], situation: str) -> None:
+    c, action = situations(world)[situation]
+    box, receptacle = action.args
+    radius = np.linalg.norm(world.upright(c, box).size[:2]) / 2
+    on_box = receptacle in SIZES
+    bound = np.full(2, CONFIG.overhang) if on_box else world.top_size(c, receptacle) / 2 - radius
+    for k in (k for k in draws(sampler, c, action, 8) if k is not None):
+        assert np.all(np.abs(k[:2]) <= bound + 1e-4)
+        assert CONFIG.height[0] - 1e-4 <= k[2] <= CONFIG.height[1] + 1e-4
+        if on_box:
+            assert abs(k[3] - round(k[3] / (np.pi / 2)) * np.pi / 2) <= CONFIG.turn + 1e-3
+            continue
+        p_WB = (world.X_WT(c, receptacle).translation() + world.X_WT(c, receptacle).rotation() @ k[:3])[:2]
+        for name, p in c.poses.items():
+            if name != box and abs(p[6] - SIZES[name][2] / 2 - world.X_WT(c, receptacle).translation()[2]) < 0.01:
+                needed = radius + min(SIZES[name][:2]) / 2
+                assert np.linalg.norm(p[4:6] - p_WB) >= needed
+
+
+@pytest.mark.parametrize(
+    ("what", "action"),
+    [
+        ("a support out of reach", place("yellow_box", "far")),
+        ("a box out of reach", place("yellow_box", "red_box")),
+    ],
+)
+def test_there_is_no_k_for_an_impossible_place(
+    world: World, sampler: Sampler[Configuration], what: str, action: Action
+) -> None:
+    c = holding(world, "yellow_box")
+    far = arranged(world, {**c.poses, "red_box": pose(2.0, 0.0, 0.059)}, "yellow_box")
+    assert sampler.sample(far, action, np.random.default_rng(0)) is None, what
+
+
+def test_there_is_no_k_for_a_box_out_of_reach(world: World, sampler: Sampler[Configuration]) -> None:
+    far = arranged(world, {"red_box": pose(2.0, 0.0, 0.059)})
+    assert sampler.sample(far, pick("red_box", "table"), np.random.default_rng(0)) is None
+
+
+def test_there_is_no_k_where_no_room_is_left(world: World, arm: ArmKinematics) -> None:
+    """The rack is full: a box stands in its middle and the rest is narrower than the held box needs."""
+    c = holding(world, "yellow_box")
+    crowd = {"cyan_box": (0.38, -0.33), "red_box": (0.5, -0.33), "blue_box": (0.44, -0.33)}
+    poses = {name: pose(x, y, RACK_TOP + SIZES[name][2] / 2) for name, (x, y) in crowd.items()}
+    full = arranged(world, {**c.poses, **poses}, "yellow_box")
+    greedy = dataclasses.replace(CONFIG, clearance=0.1).create(world, arm)
+    assert greedy.sample(full, place("yellow_box", "rack"), np.random.default_rng(0)) is None

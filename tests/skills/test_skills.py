@@ -1,0 +1,232 @@
+"""Pick and Place in physics: where they must succeed, why they refuse, and what an attempt records."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Attempt, Configuration, Motion
+from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.runner import SamplerConfig
+from ictamp_drake.skills.uniform import UniformConfig
+from tests.skills.rig import Rig, pick, place, rig
+from tests.world.scenes import RACK_TOP, box, scene, standing
+
+LABELS = {"pick": ["approach", "lower", "grasp", "lift"], "place": ["transfer", "lower", "release", "retreat"]}
+
+ON_THE_TABLE = scene({**standing("yellow_box", yaws=(30.0,)), **standing("cyan_box", y=0.3)})
+TOWER = scene(standing("cyan_box", "yellow_box", "red_box", "blue_box", yaws=(10.0, 50.0, -20.0, 80.0)))
+TOWER_ON_RACK = scene(
+    {
+        **standing("cyan_box", "yellow_box", "red_box", x=0.44, y=-0.33, floor=RACK_TOP),
+        **standing("blue_box", x=0.5, y=0.2),
+    }
+)
+TIPPED = scene({"red_box": box("red_box", (0.5, 0.1, 0.025), (90.0, 0.0, 30.0)), **standing("cyan_box", y=0.3)})
+
+
+def behind(x: float, y: float) -> SceneSpec:
+    return scene(standing("yellow_box", x=x, y=y, yaws=(20.0,)))
+
+
+MUST_SUCCEED = {
+    "table to rack and back": (
+        ON_THE_TABLE,
+        [pick("yellow_box", "table"), place("yellow_box", "rack"), pick("yellow_box", "rack")],
+    ),
+    "table to box and back": (
+        ON_THE_TABLE,
+        [pick("yellow_box", "table"), place("yellow_box", "cyan_box"), pick("yellow_box", "cyan_box")],
+    ),
+    "off a tower": (TOWER, [pick("blue_box", "red_box"), place("blue_box", "table"), pick("red_box", "yellow_box")]),
+    "fourth of a tower on the rack": (
+        TOWER_ON_RACK,
+        [pick("blue_box", "table"), place("blue_box", "red_box"), pick("blue_box", "red_box")],
+    ),
+    "tipped, onto a box and the rack": (
+        TIPPED,
+        [pick("red_box", "table"), place("red_box", "cyan_box"), pick("red_box", "cyan_box"), place("red_box", "rack")],
+    ),
+    "from behind, left": (behind(-0.25, 0.3), [pick("yellow_box", "table"), place("yellow_box", "rack")]),
+    "from behind, right": (behind(-0.25, -0.3), [pick("yellow_box", "table"), place("yellow_box", "rack")]),
+}
+
+
+def check_motion(c: Configuration, motion: Motion) -> None:
+    """From where c is, from rest to rest, without jumps, within the arm's limits."""
+    np.testing.assert_array_equal(motion[0].control_points[0], c.q[:7])
+    for before, after in pairwise(motion):
+        np.testing.assert_array_equal(before.control_points[-1], after.control_points[0])
+    limits = np.array(ARM_LIMITS)
+    for segment in motion:
+        assert segment.duration > 0
+        assert np.all(segment.control_points >= limits[:, 0])
+        assert np.all(segment.control_points <= limits[:, 1])
+        if len(segment.control_points) == 1:
+            continue
+        assert segment.knots[-1] == pytest.approx(segment.duration)
+        spline = BSpline(segment.knots, segment.control_points, segment.order - 1)
+        times = np.linspace(0.0, segment.duration, 400)
+        for order in (1, 2, 3):
+            assert np.all(np.abs(spline.derivative(order)(times)) <= limits[:, 1 + order])
+        np.testing.assert_allclose(spline.derivative(1)([0.0, segment.duration]), 0.0, atol=1e-6)
+
+
+def check_attempt(attempt: Attempt[Configuration], action: Action) -> None:
+    """What an attempt records of a motion that was executed."""
+    assert attempt.action == action
+    assert attempt.k is not None
+    assert attempt.k.shape == (4,)
+    assert [segment.label for segment in attempt.motion] == LABELS[action.name]
+    assert {"sampling", "motion", "physics", "abstraction"} <= attempt.seconds.keys()
+    assert all(seconds >= 0 for seconds in attempt.seconds.values())
+    assert all(failure.is_kinematic for failure in attempt.rejections)
+    assert attempt.successor is not None
+    assert attempt.successor.held == (action.args[0] if action.name == "pick" else None)
+
+
+@pytest.mark.parametrize("case", MUST_SUCCEED)
+def test_skills_succeed(case: str) -> None:
+    spec, actions = MUST_SUCCEED[case]
+    setup = rig(spec)
+    c = setup.start
+    for number, action in enumerate(actions):
+        attempt = setup.attempt(c, action, seed=number)
+        assert attempt.failure is None, f"{action}: {attempt.failure} {attempt.detail}"
+        check_attempt(attempt, action)
+        check_motion(c, attempt.motion)
+        assert attempt.successor is not None
+        assert setup.abstraction(attempt.successor) == setup.promised(c, action)
+        c = attempt.successor
+
+
+# determinism
+
+
+def test_the_same_seed_gives_the_same_attempt() -> None:
+    """Whatever was tried in between, and in a set of skills of its own."""
+    setup, own = rig(ON_THE_TABLE), rig(ON_THE_TABLE)
+    action = pick("yellow_box", "table")
+    first = setup.attempt(setup.start, action, seed=5)
+    setup.attempt(setup.start, pick("cyan_box", "table"), seed=6)
+    for again in (setup.attempt(setup.start, action, seed=5), own.attempt(own.start, action, seed=5)):
+        assert again.successor == first.successor
+        assert again.rejections == first.rejections
+        np.testing.assert_array_equal(again.k, first.k)
+        for one, other in zip(again.motion, first.motion, strict=True):
+            np.testing.assert_array_equal(one.control_points, other.control_points)
+            np.testing.assert_array_equal(one.knots, other.knots)
+    other_seed = setup.attempt(setup.start, action, seed=7)
+    assert not np.array_equal(other_seed.k, first.k)
+
+
+# refusals
+
+
+def _wall(x: float, y: float, size: tuple[float, float, float]) -> BoxSpec:
+    return BoxSpec(size, (x, y, size[2] / 2), mass=1.0)
+
+
+WALLED_IN = scene(
+    {
+        **standing("yellow_box"),
+        "left": _wall(0.5, 0.15, (0.14, 0.02, 0.2)),
+        "right": _wall(0.5, 0.05, (0.14, 0.02, 0.2)),
+        "front": _wall(0.56, 0.1, (0.02, 0.078, 0.2)),
+        "back": _wall(0.44, 0.1, (0.02, 0.078, 0.2)),
+    }
+)
+FAR = scene(standing("yellow_box", x=0.85, y=0.3))
+
+
+def refused(spec: SceneSpec, action: Action, sampler: SamplerConfig) -> Attempt[Configuration]:
+    setup = rig(spec, sampler)
+    attempt = setup.attempt(setup.start, action)
+    assert attempt.failure is not None
+    assert attempt.failure.is_kinematic
+    assert attempt.successor is None
+    assert attempt.motion == ()
+    assert len(attempt.rejections) == setup.skills.draws - 1
+    assert "physics" not in attempt.seconds
+    assert attempt.seconds["sampling"] >= 0
+    return attempt
+
+
+def test_a_box_out_of_reach_is_refused_by_inverse_kinematics() -> None:
+    attempt = refused(FAR, pick("yellow_box", "table"), UniformConfig())
+    assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
+    assert set(attempt.rejections) == {Failure.NO_INVERSE_KINEMATICS}
+    assert attempt.k is not None
+
+
+def test_a_walled_in_box_is_refused_and_the_wall_named() -> None:
+    attempt = refused(WALLED_IN, pick("yellow_box", "table"), UniformConfig())
+    assert attempt.failure in (Failure.GOAL_IN_COLLISION, Failure.NO_PATH)
+    assert any(wall in attempt.detail for wall in ("left", "right", "front", "back")), attempt.detail
+    assert {Failure.GOAL_IN_COLLISION} <= set(attempt.rejections)
+
+
+@pytest.mark.parametrize("spec", [FAR, WALLED_IN])
+def test_a_sampler_that_finds_nothing_is_a_refusal_too(spec: SceneSpec) -> None:
+    attempt = refused(spec, pick("yellow_box", "table"), OptimisationConfig(restarts=2))
+    assert attempt.failure is Failure.NO_SAMPLE
+    assert attempt.k is None
+
+
+# execution that fails
+
+
+class _Fixed:
+    """A sampler with one answer."""
+
+    def __init__(self, k: tuple[float, float, float, float]) -> None:
+        self._k = np.array(k)
+
+    def create(self, world: object, arm: object) -> "_Fixed":  # noqa: ARG002  (the protocol's)
+        return self
+
+    def sample(self, c: object, action: object, rng: object) -> np.ndarray:  # noqa: ARG002  (the protocol's)
+        return self._k
+
+
+@pytest.fixture(scope="module")
+def carrying() -> tuple[Rig, Configuration]:
+    """yellow_box in the hand."""
+    setup = rig(ON_THE_TABLE)
+    attempt = setup.attempt(setup.start, pick("yellow_box", "table"))
+    assert attempt.successor is not None
+    return setup, attempt.successor
+
+
+def _placed(
+    carrying: tuple[Rig, Configuration], receptacle: str, k: tuple[float, float, float, float]
+) -> Failure | None:
+    setup, c = carrying
+    action = place("yellow_box", receptacle)
+    other = rig(ON_THE_TABLE, _Fixed(k))
+    attempt = other.skills.attempt(c, action, setup.promised(c, action), np.random.default_rng(0))
+    assert attempt.failure is None or attempt.detail
+    return attempt.failure
+
+
+def test_a_box_put_down_on_an_edge_does_not_pass(carrying: tuple[Rig, Configuration]) -> None:
+    assert _placed(carrying, "cyan_box", (0.0, 0.0, 0.002, 0.0)) is None
+    assert _placed(carrying, "cyan_box", (0.04, 0.0, 0.002, 0.0)) in (Failure.WRONG_STATE, Failure.TOPPLED)
+
+
+def test_a_box_dropped_from_high_up_or_beside_does_not_pass(carrying: tuple[Rig, Configuration]) -> None:
+    assert _placed(carrying, "rack", (0.0, 0.0, 0.002, 0.3)) is None
+    assert _placed(carrying, "rack", (0.0, 0.3, 0.002, 0.3)) is not None
+
+
+def test_fingers_that_close_beside_the_box_grasp_nothing() -> None:
+    setup = rig(ON_THE_TABLE, _Fixed((0.0, 0.0, 0.05, 0.0)))
+    attempt = setup.attempt(setup.start, pick("yellow_box", "table"))
+    assert attempt.failure is Failure.NOT_GRASPED
+    assert "yellow_box" in attempt.detail
+    assert attempt.successor is not None
+    assert attempt.motion
