@@ -69,7 +69,7 @@ def run(work: Work) -> int:
     Raises:
         IctampError: see `folder.opened`.
     """
-    console = Console(width=None if sys.stdout.isatty() else 120, highlight=False)
+    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
     with opened(work.name, work.about, work.method, work.conduct) as folder:
         records = _records(work, folder)
         todo = [
