@@ -6,7 +6,7 @@ from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.models.shapes import BOX_SIZES
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
-from ictamp_drake.world.poses import to_pose
+from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
 TABLE = SupportSpec("table", (0.3, 0.0, 0.0))
@@ -78,3 +78,10 @@ def holding(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Con
     side = SIZES[box][1 if roll % 180 == 0 else 2]
     q = np.append(c.q[:7], [side / 2] * 2)
     return Configuration(q, {**c.poses, box: to_pose(X_WG @ X_GO)}, box, GripperCommand(side, 30.0))
+
+
+def p_GO(world: World, c: Configuration, name: str) -> FloatArray:
+    """Position of a box's centre in G [m]."""
+    world.set_configuration(c)
+    X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
+    return np.asarray((X_WG.inverse() @ to_transform(c.poses[name])).translation())

@@ -12,7 +12,7 @@ from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.simulate import Frame, Physics, PhysicsConfig
 from ictamp_drake.world.world import World
-from tests.world.scenes import RACK, SIZES, TABLE, arranged, box, pose, scene, standing, stay, way
+from tests.world.scenes import RACK, SIZES, TABLE, arranged, box, p_GO, pose, scene, standing, stay, way
 
 OPEN = GripperCommand(0.08)
 G_HEIGHT = 0.4868821
@@ -40,13 +40,6 @@ def grip_and_carry(c: Configuration, force: float) -> Motion:
         way("lift", c.q[:7], up, 0.8, grip),
         way("transfer", up, AWAY, 1.2, grip),
     )
-
-
-def p_GO(world: World, c: Configuration, name: str) -> FloatArray:
-    """Position of a box's centre in G [m]."""
-    world.set_configuration(c)
-    X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
-    return np.asarray((X_WG.inverse() @ to_transform(c.poses[name])).translation())
 
 
 @pytest.fixture(scope="module")
