@@ -152,8 +152,8 @@ def test_optimised_grasps_are_within_bounds(world: World, sampler: Sampler[Confi
         quarter = round(k[3] / (np.pi / 2))
         assert abs(k[3] - quarter * np.pi / 2) <= CONFIG.turn + 1e-3
         across, along = np.abs(k[:2] if quarter % 2 == 0 else k[1::-1])
-        assert across <= CONFIG.grip_offset[1] + 1e-4
-        assert along <= CONFIG.grip_offset[0] + 1e-4
+        assert across <= CONFIG.grip_offset[0] + 1e-4
+        assert along <= CONFIG.grip_offset[1] + 1e-4
         assert size[1 - quarter % 2] <= CONFIG.max_width
         assert size[2] / 2 - k[2] >= min(CONFIG.depth[0], size[2] - CONFIG.ground) - 1e-4
         assert size[2] / 2 - k[2] <= CONFIG.depth[1] + 1e-4
