@@ -121,6 +121,8 @@ def test_the_same_seed_gives_the_same_attempt() -> None:
             np.testing.assert_array_equal(one.control_points, other.control_points)
             np.testing.assert_array_equal(one.knots, other.knots)
     other_seed = setup.attempt(setup.start, action, seed=7)
+    assert other_seed.k is not None
+    assert first.k is not None
     assert not np.array_equal(other_seed.k, first.k)
 
 
