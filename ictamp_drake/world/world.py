@@ -12,8 +12,8 @@ from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright
 from ictamp_drake.world.poses import to_transform
 
-FINGERS = ("left_finger", "right_finger")
-"""Names of the fingers among boxes and supports; the rest of the robot is "arm"."""
+ARM, FINGERS = "the arm", ("the left finger", "the right finger")
+"""Names of the robot's parts among boxes and supports, whose names have no blanks."""
 
 
 class Touch(NamedTuple):
@@ -47,7 +47,7 @@ class World:
 
     def _name_geometries(self) -> dict[object, str]:
         arm = self.plant.GetBodyIndices(self.bodies.arm)
-        named = [("arm", self.plant.get_body(index)) for index in arm]
+        named = [(ARM, self.plant.get_body(index)) for index in arm]
         named += zip(FINGERS, self.bodies.fingers, strict=True)
         named += [*self.bodies.boxes.items(), *self.bodies.supports.items()]
         geometries = self.plant.GetCollisionGeometriesForBody

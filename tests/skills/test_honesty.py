@@ -8,12 +8,12 @@ import pytest
 from ictamp_drake.core.types import Action, Configuration, Motion
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.simulate import Frame, PhysicsConfig
-from ictamp_drake.world.world import FINGERS, World
+from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, place, rig
 from tests.skills.test_skills import ON_THE_TABLE, TIPPED, TOWER, TOWER_ON_RACK
 from tests.world.scenes import p_GO
 
-GRIP, ARM, CARRIED, LANDING, REST, OTHERS = 5e-4, 1e-3, 5e-4, 1e-3, 1e-4, 5e-4
+GRIP, TOUCH, CARRIED, LANDING, REST, OTHERS = 5e-4, 1e-3, 5e-4, 1e-3, 1e-4, 5e-4
 """How deep things may be in each other [m]: fingers in the gripped box, arm in anything, the box in anything while it
 is carried, when it lands after its release, and at rest; other boxes in anything."""
 SLIP, FINE_SLIP = 5e-3, 2e-3
@@ -53,8 +53,8 @@ def check(found: Deepest, box: str, allowed: float) -> None:
         bodies = {a, b}
         if box in bodies and bodies & set(FINGERS):
             limit = GRIP
-        elif bodies & {"arm", *FINGERS}:
-            limit = ARM
+        elif bodies & {ARM, *FINGERS}:
+            limit = TOUCH
         else:
             limit = allowed if box in bodies else OTHERS
         assert depth < limit, f"{a} and {b}: {1000 * depth:.2f} mm"

@@ -145,6 +145,15 @@ def test_a_gripped_box_that_something_carries_is_not_in_the_hand(world: World, a
     assert Atom("clear", ("cyan_box",)) not in state
 
 
+def test_boxes_may_have_the_names_of_the_robots_parts() -> None:
+    names = ("arm", "left_finger", "panda_hand", "grasp")
+    boxes = {name: BoxSpec((0.05, 0.05, 0.05), (0.5, 0.12 * i, 0.025)) for i, name in enumerate(names)}
+    world = World(scene(boxes))
+    state = Abstraction(world)(world.initial_configuration())
+    assert supporters(state) == dict.fromkeys(names, "table")
+    assert Atom("hand-empty", ()) in state
+
+
 # laws
 
 
