@@ -1,7 +1,7 @@
 """The primitive state matrix: what skills, P and Q see of a configuration and an action (paper, Experiments).
 
-Eight rows, a row an object, boxes and supports alike. Row 0 is the box to grasp (pick), row 1 the box held (place), row 2
-what the box stands on (pick) or the receptacle (place), and rows 3 to 7 are the others, the nearest to the action's
+Eight rows, a row an object, boxes and supports alike. Row 0 is the box to grasp (pick), row 1 the box held (place), row
+2 what the box stands on (pick) or the receptacle (place), and rows 3 to 7 are the others, the nearest to the action's
 objects first; what does not fit is left out. Absent rows are zero and masked.
 
 Nothing here depends on names, nor on where in the world the scene stands: all is relative to the arm's base frame B, to
@@ -9,7 +9,7 @@ the target frame K that k is expressed in (U of the box to grasp, T of the recep
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any, NamedTuple

@@ -129,8 +129,8 @@ class Physics:
             watch: may end the simulation early.
             record: is given a frame every `record_period`.
         """
-        self._start(c, motion)
         self._record(record)
+        self._start(c, motion)
         time = 0.0
         for index, segment in enumerate(motion):
             time += segment.duration
