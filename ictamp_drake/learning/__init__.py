@@ -1,0 +1,1 @@
+"""Networks, data, checkpoints and training: torch, and no robot."""

@@ -1,0 +1,267 @@
+"""Recorded attempts at skills: Parquet files of rows, read back lazily, and what is learned from them.
+
+A folder holds any number of `*.parquet` files; together they are one table with the columns of `FIELDS`. A row holds c
+itself and the text of its scene, not the state matrix, so that a new schema of the matrix needs no new attempts.
+"""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.dataset as pads
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
+from ictamp_drake.scenes.reading import build, parse
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.world.observation import ROWS, SCHEMA, Observation, Observer
+
+_WORD = pa.dictionary(pa.int32(), pa.string())
+
+
+def _numbers(count: int) -> pa.DataType:
+    return pa.list_(pa.float32(), count)
+
+
+FIELDS = pa.schema(
+    [
+        ("scene", pa.int32()),  # number of the training scene
+        ("spec", _WORD),  # the scene as YAML
+        ("state", pa.int16()),  # number of c among those of its scene
+        ("draw", pa.int16()),  # number of the attempt among those from this c
+        ("action", _WORD),  # pick or place
+        ("box", _WORD),
+        ("place", _WORD),  # what it stands on or is put on
+        ("sampler", _WORD),  # where k comes from
+        ("k", _numbers(4)),  # null when none was found
+        ("failure", _WORD),  # name of a Failure; null when the promised state was reached
+        ("executed", pa.bool_()),  # in physics; False when motion planning refused k
+        ("q", _numbers(9)),
+        ("poses", pa.list_(pa.float32())),  # X_WO of the boxes in the order of their names, 7 numbers each
+        ("held", _WORD),
+        ("gripper", _numbers(2)),  # width [m] and force [N]
+        ("moved", _numbers(7)),  # X_WO of the action's box in c'; null when nothing was executed
+        ("sampling_ms", pa.int32()),
+        ("motion_ms", pa.int32()),
+        ("physics_ms", pa.int32()),
+    ]
+)
+"""The columns of the files."""
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One attempt, before it is written.
+
+    Attributes:
+        scene: number of the training scene.
+        spec: the scene as YAML.
+        state: number of c among those of its scene.
+        draw: number of the attempt among those from this c.
+        sampler: where k comes from.
+        c: where it started.
+        attempt: what came of it.
+    """
+
+    scene: int
+    spec: str
+    state: int
+    draw: int
+    sampler: str
+    c: Configuration
+    attempt: Attempt[Configuration]
+
+    def values(self) -> dict[str, Any]:
+        """A value for each of `FIELDS`."""
+        c, attempt, action = self.c, self.attempt, self.attempt.action
+        after = attempt.successor
+        return {
+            "scene": self.scene,
+            "spec": self.spec,
+            "state": self.state,
+            "draw": self.draw,
+            "action": action.name,
+            "box": action.args[0],
+            "place": action.args[1],
+            "sampler": self.sampler,
+            "k": attempt.k,
+            "failure": None if attempt.failure is None else attempt.failure.name,
+            "executed": after is not None,
+            "q": c.q,
+            "poses": np.concatenate(list(c.poses.values())),
+            "held": c.held,
+            "gripper": [c.gripper.width, c.gripper.force],
+            "moved": None if after is None else after.poses[action.args[0]],
+            **{f"{stage}_ms": round(1000 * attempt.seconds.get(stage, 0.0)) for stage in STAGES},
+        }
+
+
+STAGES = ("sampling", "motion", "physics")
+"""Of an attempt, whose computing times are recorded."""
+
+
+def write(rows: Sequence[Row], path: Path) -> None:
+    """Write rows to a file that appears whole or not at all."""
+    columns = {name: [row[name] for row in (each.values() for each in rows)] for name in FIELDS.names}
+    _write(pa.table(columns, schema=FIELDS), path)
+
+
+def merge(paths: Sequence[Path], target: Path) -> None:
+    """Write the rows of several files, in the order of scene, state and draw, to one file."""
+    table = pa.concat_tables([pq.read_table(path, schema=FIELDS) for path in paths]).unify_dictionaries()
+    _write(table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]), target)
+
+
+def _write(table: pa.Table, path: Path) -> None:
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    words = [field.name for field in FIELDS if pa.types.is_dictionary(field.type)]
+    pq.write_table(
+        table,
+        temporary,
+        compression="zstd",
+        compression_level=12,
+        use_dictionary=words,
+        dictionary_pagesize_limit=2**26,  # a dictionary of scenes is large, and must never give way to plain text
+        write_statistics=["scene"],
+    )
+    temporary.replace(path)
+
+
+def opened(folder: Path) -> pads.Dataset:
+    """The table of a folder, of which nothing is read yet; columns and rows can be chosen by pyarrow's means.
+
+    Raises:
+        IctampError: there are no recorded attempts in the folder.
+    """
+    paths = sorted(path for path in folder.glob("*.parquet") if not path.name.startswith("."))
+    if not paths:
+        raise IctampError(f"{folder}: no recorded attempts (*.parquet) there; make some with experiments.collect")
+    return pads.dataset(paths, schema=FIELDS, format="parquet")
+
+
+@lru_cache(maxsize=256)
+def scene(text: str) -> SceneSpec:
+    """The scene of a row."""
+    return build(SceneSpec, parse(text))
+
+
+def configuration(row: Mapping[str, Any]) -> Configuration:
+    """c of a row, as exact as its 32-bit numbers."""
+    poses = np.reshape(row["poses"], (-1, 7)).astype(np.float64)
+    names = sorted(scene(row["spec"]).boxes)
+    width, force = row["gripper"]
+    return Configuration(row["q"], dict(zip(names, poses, strict=True)), row["held"], GripperCommand(width, force))
+
+
+def action(row: Mapping[str, Any]) -> Action:
+    """a of a row."""
+    return Action(row["action"], (row["box"], row["place"]))
+
+
+@dataclass(frozen=True, eq=False)
+class Attempts:
+    """What is learned from: n attempts.
+
+    Attributes:
+        matrix: primitive state matrices, shape (n, 8, D).
+        mask: shape (n, 8).
+        k: shape (n, 4).
+        success: whether the promised state was reached, shape (n,).
+        executed: in physics, shape (n,); those that are not were refused by motion planning.
+        scene: number of the training scene, by which data are split, shape (n,).
+        state: number of c in its scene, shape (n,).
+        action: pick or place, shape (n,).
+        sampler: where k comes from, shape (n,).
+        failure: name of the failure, empty for a success, shape (n,).
+    """
+
+    matrix: NDArray[np.float32]
+    mask: NDArray[np.bool_]
+    k: NDArray[np.float32]
+    success: NDArray[np.bool_]
+    executed: NDArray[np.bool_]
+    scene: NDArray[np.int32]
+    state: NDArray[np.int16]
+    action: NDArray[np.str_]
+    sampler: NDArray[np.str_]
+    failure: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return len(self.k)
+
+    def chosen(self, rows: NDArray[Any]) -> "Attempts":
+        """Some of the attempts, by a mask or by their numbers."""
+        return Attempts(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+
+def load(folder: Path, skill: str | None = None) -> Attempts:
+    """All attempts of a folder that have a k, with their matrices in the schema of this version.
+
+    Args:
+        folder: of Parquet files.
+        skill: pick or place; both by default.
+
+    Raises:
+        IctampError: there are no recorded attempts in the folder.
+    """
+    wanted = pads.field("k").is_valid()
+    if skill is not None:
+        wanted &= pads.field("action").cast(pa.string()) == skill
+    parts = [_attempts(batch) for batch in opened(folder).to_batches(filter=wanted) if batch.num_rows]
+    if not parts:
+        return _attempts(pa.RecordBatch.from_pylist([], schema=FIELDS))
+    joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Attempts)}
+    return Attempts(**joined)
+
+
+def _attempts(batch: pa.RecordBatch) -> Attempts:
+    observation = _observed(batch)
+    failure = batch["failure"].cast(pa.string())
+    return Attempts(
+        *observation,
+        k=batch["k"].flatten().to_numpy(zero_copy_only=False).reshape(-1, 4),
+        success=failure.is_null().to_numpy(zero_copy_only=False),
+        executed=batch["executed"].to_numpy(zero_copy_only=False),
+        scene=batch["scene"].to_numpy(),
+        state=batch["state"].to_numpy(),
+        action=_words(batch["action"]),
+        sampler=_words(batch["sampler"]),
+        failure=_words(failure),
+    )
+
+
+def _words(column: pa.Array) -> NDArray[np.str_]:
+    return np.array(column.cast(pa.string()).fill_null("").to_pylist(), dtype=np.str_)
+
+
+def _observed(batch: pa.RecordBatch) -> Observation:
+    """The matrices of the rows; rows of one configuration follow each other."""
+    rows = batch.select(["spec", "q", "poses", "held", "gripper", "action", "box", "place"]).to_pylist()
+    matrix = np.zeros((len(rows), ROWS, SCHEMA.width), dtype=np.float32)
+    mask = np.zeros((len(rows), ROWS), dtype=bool)
+    for number, row in enumerate(rows):
+        matrix[number], mask[number] = observer(row["spec"]).observe(configuration(row), action(row))
+    return Observation(matrix, mask)
+
+
+@lru_cache(maxsize=256)
+def observer(text: str) -> Observer:
+    """Makes the matrices of a row's scene."""
+    return Observer(scene(text))
+
+
+def fingerprint(folder: Path) -> str:
+    """Short hash of the attempts in a folder, the same in whatever files they lie."""
+    import hashlib  # noqa: PLC0415
+
+    table = opened(folder).to_table(columns=["scene", "state", "draw", "executed", "failure", "k"])
+    table = table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")])
+    return hashlib.sha256(json.dumps(table.to_pylist()).encode()).hexdigest()[:16]
