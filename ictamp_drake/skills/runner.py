@@ -72,6 +72,30 @@ class Skills:
         k, plan, rejections = self._plan(c, action, rng, clock)
         if isinstance(plan, Refusal):
             return Attempt(action, plan.failure, None, k, (), tuple(rejections), dict(clock.seconds), plan.detail)
+        return self._executed(c, action, k, plan, promised, rejections, clock)
+
+    def execute(
+        self, c: Configuration, action: Action, k: Parameter, promised: State, rng: np.random.Generator
+    ) -> Attempt[Configuration]:
+        """Run ψ_a once from c with this k, whatever the sampler would draw."""
+        clock = _Clock()
+        with clock.timed("motion"):
+            plan = self.skills[action.name].plan(c, action, k, rng)
+        if isinstance(plan, Refusal):
+            return Attempt(action, plan.failure, None, k, (), (), dict(clock.seconds), plan.detail)
+        return self._executed(c, action, k, plan, promised, [], clock)
+
+    def _executed(
+        self,
+        c: Configuration,
+        action: Action,
+        k: Parameter | None,
+        plan: Motion,
+        promised: State,
+        rejections: list[Failure],
+        clock: "_Clock",
+    ) -> Attempt[Configuration]:
+        """Execute a motion in physics and judge what became of it."""
         with clock.timed("physics"):
             outcome = self.physics.run(c, plan, watch=_Grip(action, plan))
         with clock.timed("abstraction"):
