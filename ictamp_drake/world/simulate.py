@@ -129,8 +129,8 @@ class Physics:
             watch: may end the simulation early.
             record: is given a frame every `record_period`.
         """
-        self._record(record)
         self._start(c, motion)
+        self._record(c, record)
         time = 0.0
         for index, segment in enumerate(motion):
             time += segment.duration
@@ -159,11 +159,12 @@ class Physics:
         plant.SetVelocities(context, np.zeros(plant.num_velocities()))
         self._simulator.Initialize()
 
-    def _record(self, record: Callable[[Frame], None] | None) -> None:
+    def _record(self, c: Configuration, record: Callable[[Frame], None] | None) -> None:
         if record is None:
             self._simulator.clear_monitor()
             return
-        due = 0.0
+        record(Frame(0.0, c))  # the plant knows its contacts only after the first step
+        due = self.config.record_period
 
         def monitor(context: Context) -> EventStatus:
             nonlocal due
