@@ -9,10 +9,13 @@ from scipy.interpolate import BSpline
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion
 from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
+from ictamp_drake.skills.base import TIP
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.runner import SamplerConfig
 from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.world.poses import to_transform
 from tests.skills.rig import Rig, pick, place, rig
 from tests.world.scenes import RACK_TOP, box, scene, standing
 
@@ -101,6 +104,35 @@ def test_skills_succeed(case: str) -> None:
         check_motion(c, attempt.motion)
         assert attempt.successor is not None
         assert setup.abstraction(attempt.successor) == setup.promised(c, action)
+        c = attempt.successor
+
+
+def test_the_hand_comes_from_above_and_leaves_upwards() -> None:
+    """Straight down to the grasp and straight up from it, the finger tips above the box before and after."""
+    setup = rig(ON_THE_TABLE)
+    c = setup.start
+    for action, down, up in (
+        (pick("yellow_box", "table"), "lower", "lift"),
+        (place("yellow_box", "rack"), "lower", "retreat"),
+    ):
+        attempt = setup.attempt(c, action)
+        assert attempt.successor is not None
+        arm = ArmKinematics(to_transform(setup.world.spec.arm.X_WB))
+        heights = {}
+        for segment in attempt.motion:
+            if segment.label in (down, up):
+                spline = BSpline(segment.knots, segment.control_points, segment.order - 1)
+                way = np.array([arm.forward(q).translation() for q in spline(np.linspace(0, segment.duration, 20))])
+                assert np.ptp(way[:, :2], axis=0).max() < 2e-3
+                heights[segment.label] = way[:, 2]
+        assert np.all(np.diff(heights[down]) < 1e-6)
+        assert np.all(np.diff(heights[up]) > -1e-6)
+        if action.name == "pick":
+            top = setup.world.upright(c, "yellow_box").X_WT.translation()[2]
+            assert heights[down][0] - TIP > top
+        else:
+            top = setup.world.upright(attempt.successor, "yellow_box").X_WT.translation()[2]
+            assert heights[up][-1] - TIP > top
         c = attempt.successor
 
 

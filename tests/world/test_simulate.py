@@ -11,7 +11,7 @@ from ictamp_drake.models.constants import ARM_LIMITS, HOME, MAX_GRIP_FORCE
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.simulate import Frame, Physics, PhysicsConfig
-from ictamp_drake.world.world import World
+from ictamp_drake.world.world import FINGERS, World
 from tests.world.scenes import RACK, SIZES, TABLE, arranged, box, p_GO, pose, scene, standing, stay, way
 
 OPEN = GripperCommand(0.08)
@@ -169,6 +169,19 @@ def test_a_hand_that_closes_on_nothing_holds_nothing(world: World, physics: Phys
     outcome = physics.run(c, grip_and_carry(c, 30.0)[:1])
     assert outcome.c.held is None
     assert outcome.c.q[7] < SIDE / 2 - 0.01
+
+
+def test_a_box_that_one_finger_presses_is_not_held() -> None:
+    spec = pedestal(mass=3.0)
+    world = World(spec)
+    c = world.initial_configuration()
+    aside = c.poses["thing"] + [0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.0]
+    start = arranged(world, {"thing": aside})
+    outcome = PhysicsConfig().create(spec).run(start, (stay(start, 0.6, GripperCommand(SIDE + 0.016)),))
+    touching = {touch.a for touch in world.touches(outcome.c, 5e-4) if touch.b == "thing"}
+    touching |= {touch.b for touch in world.touches(outcome.c, 5e-4) if touch.a == "thing"}
+    assert len(touching & set(FINGERS)) == 1
+    assert outcome.c.held is None
 
 
 # the arm
