@@ -96,8 +96,12 @@ class Skills:
         clock: "_Clock",
     ) -> Attempt[Configuration]:
         """Execute a motion in physics and judge what became of it."""
-        with clock.timed("physics"):
-            outcome = self.physics.run(c, plan, watch=_Grip(action, plan))
+        try:
+            with clock.timed("physics"):
+                outcome = self.physics.run(c, plan, watch=_Grip(action, plan))
+        except RuntimeError as error:  # the contact solver diverges in a few jammed situations
+            sentence = str(error).partition(".")[0]
+            return Attempt(action, Failure.NOT_SETTLED, None, k, plan, tuple(rejections), dict(clock.seconds), sentence)
         with clock.timed("abstraction"):
             failure, detail = judge(self.abstraction(outcome.c), promised, action, outcome)
         return Attempt(action, failure, outcome.c, k, plan, tuple(rejections), dict(clock.seconds), detail)
