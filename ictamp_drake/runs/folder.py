@@ -45,7 +45,7 @@ def opened(name: str, work: Mapping[str, Any], method: Method, conduct: Conduct)
     path = _path(name, conduct)
     sessions = _sessions(path, fixed)
     path.mkdir(parents=True, exist_ok=True)
-    with _locked(path):
+    with locked(path):
         drop_torn_line(path / RESULTS)
         now = datetime.now().astimezone().isoformat(timespec="seconds")
         session = {"started": now, "conduct": _plain(dataclasses.asdict(conduct)), **provenance()}
@@ -87,8 +87,12 @@ def _sessions(path: Path, fixed: Mapping[str, Any]) -> list[Any]:
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Held until the process ends, however it ends."""
+def locked(path: Path) -> Iterator[None]:
+    """This process alone works in the folder, until it ends, however it ends.
+
+    Raises:
+        IctampError: another process does.
+    """
     with (path / ".lock").open("w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,24 +1,21 @@
 """Many problems at once: isolated workers, a hard limit of time for each problem, and a clean end on Ctrl-C."""
 
-import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
 
 from pebble import ProcessPool
 
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.folder import RESULTS
+from ictamp_drake.runs.pool import CONTEXT, deaf_children, isolated
 from ictamp_drake.runs.records import Record, append
 from ictamp_drake.runs.worker import CRASHED, HUNG, Bench, Problem, broken, run_problem, start_worker
 
 POLL = 0.2
 """Time between two looks at what the workers do [s]."""
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 Watch = Callable[[Board, Sequence[Record]], None]
 """Called at least every `POLL` seconds with the board and the records that are new since the last call."""
@@ -33,23 +30,11 @@ def sweep(problems: Sequence[Problem], bench: Bench, workers: int, grace: float,
     Returns:
         False when it was interrupted.
     """
-    for name in THREADS:
-        os.environ[name] = "1"  # inherited by the workers, which share the cores already
-    context = get_context("spawn")  # Drake does not survive a fork
-    board = Board(context, len(problems))
-    pool = ProcessPool(
-        max_workers=min(workers, len(problems)),
-        initializer=start_worker,
-        initargs=(board, bench.meshcat),
-        context=context,
-    )
+    board = Board(CONTEXT, len(problems))
     run = _Sweep(problems, bench, board, watch)
-    with _ctrl_c_stops(board):
-        try:
-            run.follow(run.start(pool, timeout=bench.method.time_limit + grace))
-        finally:
-            pool.stop()  # type: ignore[no-untyped-call]
-            pool.join()
+    count = min(workers, len(problems))
+    with _ctrl_c_stops(board), isolated(count, start_worker, board, bench.meshcat) as pool:
+        run.follow(run.start(pool, timeout=bench.method.time_limit + grace))
     return not board.stopping
 
 
@@ -62,7 +47,7 @@ class _Sweep:
 
     def start(self, pool: ProcessPool, timeout: float) -> dict[Future[Record | None], int]:
         """Hand all problems to the pool; returns the numbers of the problems."""
-        with _deaf_children():
+        with deaf_children():
             return {
                 pool.schedule(run_problem, (slot, problem, self.bench), timeout=timeout): slot
                 for slot, problem in enumerate(self.problems)
@@ -101,13 +86,3 @@ def _ctrl_c_stops(board: Board) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Processes and threads started here never see Ctrl-C, which a terminal sends to the whole family."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

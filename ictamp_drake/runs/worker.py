@@ -1,9 +1,6 @@
 """What a worker process does: solve one problem after the other, each to a record on the disk."""
 
-import multiprocessing
-import os
 import shutil
-import threading
 import traceback
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,6 +11,7 @@ from ictamp_drake.runs.artefacts import Artefacts, write_artefacts
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.folder import RESULTS
 from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.records import Record, append, record_of
 from ictamp_drake.runs.solve import prepare, solve
 from ictamp_drake.scenes.spec import SceneSpec
@@ -66,18 +64,11 @@ def start_worker(board: Board, meshcat: bool) -> None:
     """Make a process ready: loads what would be loaded in the midst of the first problem, and never outlives a run."""
     import ictamp_drake.symbolic.pddl  # noqa: F401, PLC0415
 
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     _Process.board = board
     if meshcat:
         _Process.view = LiveView()
         board.url = _Process.view.url
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def run_problem(slot: int, problem: Problem, bench: Bench) -> Record | None:

@@ -72,7 +72,7 @@ class Skills:
         k, plan, rejections = self._plan(c, action, rng, clock)
         if isinstance(plan, Refusal):
             return Attempt(action, plan.failure, None, k, (), tuple(rejections), dict(clock.seconds), plan.detail)
-        return self._executed(c, action, k, plan, promised, rejections, clock)
+        return self._executed(c, action, k, plan, promised=promised, rejections=rejections, clock=clock)
 
     def execute(
         self, c: Configuration, action: Action, k: Parameter, promised: State, rng: np.random.Generator
@@ -83,7 +83,7 @@ class Skills:
             plan = self.skills[action.name].plan(c, action, k, rng)
         if isinstance(plan, Refusal):
             return Attempt(action, plan.failure, None, k, (), (), dict(clock.seconds), plan.detail)
-        return self._executed(c, action, k, plan, promised, [], clock)
+        return self._executed(c, action, k, plan, promised=promised, rejections=[], clock=clock)
 
     def _executed(
         self,
@@ -91,6 +91,7 @@ class Skills:
         action: Action,
         k: Parameter | None,
         plan: Motion,
+        *,
         promised: State,
         rejections: list[Failure],
         clock: "_Clock",

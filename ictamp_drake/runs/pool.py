@@ -1,0 +1,57 @@
+"""Isolated worker processes: one thread each, a hard limit of time for each task, and none outlives the program."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing import get_context
+from typing import Any
+
+from pebble import ProcessPool
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+CONTEXT = get_context("spawn")
+"""How processes are started: Drake does not survive a fork."""
+
+
+@contextmanager
+def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Iterator[ProcessPool]:
+    """A pool of worker processes, which end with the block.
+
+    Args:
+        workers: how many processes.
+        start: called in each with the arguments before its first task; calls `end_with_parent`.
+    """
+    for name in THREADS:
+        os.environ[name] = "1"  # inherited by the workers, which share the cores already
+    pool = ProcessPool(max_workers=workers, initializer=start, initargs=arguments, context=CONTEXT)
+    try:
+        yield pool
+    finally:
+        pool.stop()  # type: ignore[no-untyped-call]
+        pool.join()
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Processes and threads started here never see Ctrl-C, which a terminal sends to the whole family."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def end_with_parent() -> None:
+    """From now on this process ends when its parent does, however that ends."""
+    threading.Thread(target=_await_parent, daemon=True).start()
+
+
+def _await_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -1,0 +1,57 @@
+"""k of another sampler with noise: near misses, off-centre grasps, drops, crowded and overhanging placements."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class PerturbedConfig:
+    """Largest standard deviations of the noise on k = (x, y, z, yaw).
+
+    Attributes:
+        grasp: of a pick [m, m, m, rad].
+        on_box: of a placement on a box.
+        on_support: of a placement on a support.
+        least: the smallest standard deviation as part of the largest; each number of k draws its own in between,
+            evenly in its logarithm.
+        any_yaw: probability that a placement has any yaw at all.
+        lowest: placements are not pressed deeper than this into the top face [m].
+    """
+
+    grasp: tuple[float, float, float, float] = (0.05, 0.05, 0.03, 0.8)
+    on_box: tuple[float, float, float, float] = (0.05, 0.05, 0.04, 0.8)
+    on_support: tuple[float, float, float, float] = (0.1, 0.1, 0.04, 1.0)
+    least: float = 0.1
+    any_yaw: float = 0.3
+    lowest: float = -0.002
+
+
+class PerturbedSampler:
+    """Adds noise to what another sampler draws."""
+
+    def __init__(self, world: World, sampler: Sampler[Configuration], config: PerturbedConfig) -> None:
+        self._world = world
+        self._sampler = sampler
+        self._config = config
+
+    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | None:
+        """One k, or None when the other sampler found none."""
+        k = self._sampler.sample(c, action, rng)
+        if k is None:
+            return None
+        config = self._config
+        if action.name == "pick":
+            return k + self._noise(config.grasp, rng)
+        k = k + self._noise(config.on_support if action.args[1] in self._world.spec.supports else config.on_box, rng)
+        k[2] = max(k[2], config.lowest)
+        if rng.random() < config.any_yaw:
+            k[3] = rng.uniform(-np.pi, np.pi)
+        return k
+
+    def _noise(self, largest: tuple[float, float, float, float], rng: np.random.Generator) -> Parameter:
+        return np.array(largest) * self._config.least ** rng.random(4) * rng.normal(size=4)
