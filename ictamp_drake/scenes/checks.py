@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 
 from ictamp_drake.core.errors import IctampError
 
+_MODEL_NAMES = ("world", "panda", "WorldModelInstance", "DefaultModelInstance")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _PDDL_WORDS = frozenset({"and", "or", "not", "imply", "when", "forall", "exists", "either", "object", "define"})
 
@@ -35,6 +36,10 @@ def check_names(names: Iterable[str]) -> None:
     for name in names:
         if not _NAME.fullmatch(name):
             raise IctampError(f"the name '{name}' is not valid; use letters, digits, _ and -, a letter first")
+        if name in _MODEL_NAMES:
+            raise IctampError(
+                f"the name '{name}' is taken by Drake's world or the robot; choose another, e.g. '{name}_1'"
+            )
         if name.lower() in _PDDL_WORDS:
             raise IctampError(f"the name '{name}' is a word of PDDL; choose another, e.g. '{name}_1'")
         if name.lower() in seen:

@@ -7,8 +7,10 @@ from ictamp_drake.world.simulate import Outcome
 
 def judge(reached: State, promised: State, action: Action, outcome: Outcome) -> tuple[Failure | None, str]:
     """None when the promised state was reached and is at rest, else the likeliest cause and the atoms that differ."""
-    if outcome.stopped_after is not None:
+    if outcome.stopped_after == "grasp":
         return Failure.NOT_GRASPED, f"the fingers closed without {action.args[0]} between them"
+    if outcome.stopped_after is not None:
+        return Failure.SLIPPED, f"{action.args[0]} was lost: {outcome.stopped_after}"
     if not outcome.settled:
         return Failure.NOT_SETTLED, ""
     if reached == promised:

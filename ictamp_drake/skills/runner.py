@@ -9,9 +9,10 @@ from typing import Protocol
 
 import numpy as np
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
-from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, State
+from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, State
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
@@ -46,6 +47,10 @@ class SkillsConfig:
     pick: PickConfig = PickConfig()
     place: PlaceConfig = PlaceConfig()
     motion: MotionConfig = MotionConfig()
+
+    def __post_init__(self) -> None:
+        if self.draws < 1:
+            raise IctampError(f"draws of the skills is {self.draws}, but must be 1 or more")
 
     def create(self, world: World, abstraction: Abstraction, physics: Physics, sampler: SamplerConfig) -> "Skills":
         """The skills in one scene."""
@@ -99,7 +104,7 @@ class Skills:
         """Execute a motion in physics and judge what became of it."""
         try:
             with clock.timed("physics"):
-                outcome = self.physics.run(c, plan, watch=_Grip(action, plan))
+                outcome = self.physics.run(c, plan, watch=_Grip(action.args[0]))
         except RuntimeError as error:  # the contact solver diverges in a few jammed situations
             sentence = str(error).partition(".")[0]
             return Attempt(action, Failure.NOT_SETTLED, None, k, plan, tuple(rejections), dict(clock.seconds), sentence)
@@ -129,13 +134,12 @@ class Skills:
 
 @dataclass(frozen=True)
 class _Grip:
-    """Ends the simulation of a pick after its grasp when the box is not between the fingers."""
+    """Ends the simulation when the box is not between the fingers where it should be."""
 
-    action: Action
-    motion: Motion
+    box: str
 
-    def __call__(self, index: int, physics: Physics) -> bool:
-        return self.motion[index].label != "grasp" or physics.gripped() == self.action.args[0]
+    def __call__(self, segment: Segment, physics: Physics) -> bool:
+        return segment.gripper.force == 0 or physics.gripped() == self.box
 
 
 class _Clock:

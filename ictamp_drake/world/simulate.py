@@ -60,12 +60,12 @@ class Outcome:
     Attributes:
         c: the last configuration.
         settled: whether everything came to rest in time.
-        stopped_after: index of the segment after which the watcher ended it, None when it ran to the end.
+        stopped_after: label of the segment after which the watcher ended it, None when it ran to the end.
     """
 
     c: Configuration
     settled: bool
-    stopped_after: int | None = None
+    stopped_after: str | None = None
 
 
 class Frame(NamedTuple):
@@ -75,8 +75,8 @@ class Frame(NamedTuple):
     c: Configuration
 
 
-Watcher = Callable[[int, "Physics"], bool]
-"""Called after each segment with its index; False ends the simulation there."""
+Watcher = Callable[[Segment, "Physics"], bool]
+"""Called after each segment; False ends the simulation there."""
 
 
 class Physics:
@@ -132,12 +132,12 @@ class Physics:
         self._start(c, motion)
         self._record(c, record)
         time = 0.0
-        for index, segment in enumerate(motion):
+        for segment in motion:
             time += segment.duration
             self._gripper = segment.gripper
             self._simulator.AdvanceTo(time)
-            if watch is not None and not watch(index, self):
-                return Outcome(self.configuration(), False, index)
+            if watch is not None and not watch(segment, self):
+                return Outcome(self.configuration(), False, segment.label)
         deadline = time + self.config.settle_time
         settled = False
         while not settled and time < deadline:

@@ -87,6 +87,7 @@ MISTAKES = {
         "boxes has the key True, but names must be text; YAML reads on, off, yes and no",
     ),
     "word of PDDL": ("  red_box:", "  and:", "the name 'and' is a word of PDDL; choose another"),
+    "name of the robot": ("  red_box:", "  panda:", "the name 'panda' is taken by the world or the robot"),
     "syntax": ("seed: 0", "seed: [0", "line 9: not valid YAML: "),
     "bad character": ("seed: 0", "seed: \x07", "not valid YAML: unacceptable character"),
     "unknown tag": ("seed: 0", "seed: !odd 0", "line 8: not valid YAML: could not determine a constructor"),

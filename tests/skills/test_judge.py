@@ -31,7 +31,9 @@ STILL_THERE = state(
         (PICKED, PICKED, PICK, Outcome(C, True), None),
         (PLACED, PLACED, PLACE, Outcome(C, True), None),
         (PICKED, PICKED, PICK, Outcome(C, False), Failure.NOT_SETTLED),
-        (PICKED, PICKED, PICK, Outcome(C, False, stopped_after=2), Failure.NOT_GRASPED),
+        (PICKED, PICKED, PICK, Outcome(C, False, stopped_after="grasp"), Failure.NOT_GRASPED),
+        (PICKED, PICKED, PICK, Outcome(C, False, stopped_after="lift"), Failure.SLIPPED),
+        (PLACED, PLACED, PLACE, Outcome(C, False, stopped_after="transfer"), Failure.SLIPPED),
         (STILL_THERE, PICKED, PICK, Outcome(C, True), Failure.SLIPPED),
         (
             PICKED - state("on(blue,table)") | state("lying(blue,table)"),
@@ -73,4 +75,4 @@ def test_verdict(reached: State, promised: State, action: Action, outcome: Outco
 
 
 def test_an_empty_grasp_names_the_box() -> None:
-    assert "red" in judge(STILL_THERE, PICKED, PICK, Outcome(C, False, stopped_after=2))[1]
+    assert "red" in judge(STILL_THERE, PICKED, PICK, Outcome(C, False, stopped_after="grasp"))[1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
-from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion
+from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
 from ictamp_drake.models.constants import ARM_LIMITS, HOME, MAX_GRIP_FORCE
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.poses import to_pose, to_transform
@@ -226,8 +226,8 @@ def test_the_arm_follows_a_motion(world: World, physics: Physics) -> None:
     motion = grip_and_carry(c, 30.0)
     errors = []
 
-    def watch(index: int, running: Physics) -> bool:
-        errors.append(np.abs(running.configuration().q[:7] - motion[index].control_points[-1]).max())
+    def watch(segment: Segment, running: Physics) -> bool:
+        errors.append(np.abs(running.configuration().q[:7] - segment.control_points[-1]).max())
         return True
 
     outcome = physics.run(c, motion, watch=watch)
@@ -243,8 +243,8 @@ def test_the_arm_follows_a_motion(world: World, physics: Physics) -> None:
 def test_a_watcher_ends_the_simulation(world: World, physics: Physics, last: int) -> None:
     c = world.initial_configuration()
     motion = grip_and_carry(c, 30.0)
-    outcome = physics.run(c, motion, watch=lambda index, _: index < last)
-    assert outcome.stopped_after == last
+    outcome = physics.run(c, motion, watch=lambda segment, _: segment is not motion[last])
+    assert outcome.stopped_after == motion[last].label
     assert not outcome.settled
     np.testing.assert_allclose(outcome.c.q[:7], motion[last].control_points[-1], atol=2e-3)
 
