@@ -37,9 +37,7 @@ def check_names(names: Iterable[str]) -> None:
         if not _NAME.fullmatch(name):
             raise IctampError(f"the name '{name}' is not valid; use letters, digits, _ and -, a letter first")
         if name in _MODEL_NAMES:
-            raise IctampError(
-                f"the name '{name}' is taken by Drake's world or the robot; choose another, e.g. '{name}_1'"
-            )
+            raise IctampError(f"the name '{name}' is taken by the world or the robot; choose another, e.g. '{name}_1'")
         if name.lower() in _PDDL_WORDS:
             raise IctampError(f"the name '{name}' is a word of PDDL; choose another, e.g. '{name}_1'")
         if name.lower() in seen:
