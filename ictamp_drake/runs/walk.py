@@ -42,8 +42,8 @@ class WalkConfig:
 
     states: int = 24
     draws: int = 4
-    optimisation: float = 0.15
-    perturbed: float = 0.6
+    optimisation: float = 0.1
+    perturbed: float = 0.65
     uniform: float = 0.25
     stray: float = 0.3
     patience: int = 3
@@ -122,8 +122,8 @@ class _Course:
         started = perf_counter()
         k = self._samplers[sampler].sample(c, action, self._rng)
         seconds = {"sampling": perf_counter() - started}
-        if k is None:
-            return sampler, Attempt(action, Failure.NO_SAMPLE, seconds=seconds)
+        if isinstance(k, Failure):
+            return sampler, Attempt(action, k, seconds=seconds)
         attempt = self._skills.execute(c, action, k, promised, self._rng)
         return sampler, replace(attempt, seconds={**attempt.seconds, **seconds})
 

@@ -1,0 +1,201 @@
+"""Attempts to learn from: random walks through training scenes, every attempt a row of a Parquet file.
+
+`python -m ictamp_drake.experiments.collect --scenes 0:500 --out data/attempts`
+
+The same command goes on where it was interrupted, however that happened. What the rows are is said in
+`learning.dataset`, what the walks are in `runs.walk`, and where scenes come from in `scenes.training`.
+"""
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import tyro
+from rich.console import Console
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.files import write_whole
+from ictamp_drake.runs.folder import locked
+from ictamp_drake.runs.pool import deaf_children, end_with_parent, isolated
+from ictamp_drake.runs.program import BAD_INPUT, BROKEN, COMPLETE, INTERRUPTED
+from ictamp_drake.runs.progress import clock
+from ictamp_drake.runs.provenance import provenance
+from ictamp_drake.runs.shards import Shards, summary
+from ictamp_drake.runs.walk import WalkConfig, walk
+from ictamp_drake.scenes.checks import check_range
+from ictamp_drake.scenes.levels import parse_selection
+
+COLLECTION = "collection.json"
+"""File beside the attempts: how they were made, and what there is of them."""
+
+MAX_SCENES = 1_000_000
+_REPORT = 30.0
+"""Time between two lines about the progress [s]."""
+
+
+@dataclass(frozen=True)
+class Collect:
+    """Collect attempts at skills in training scenes.
+
+    Attributes:
+        out: folder for the attempts; naming one that exists continues it or adds scenes to it.
+        scenes: number of a training scene or slice of them, e.g. 3 or 0:500.
+        seed: of the scenes and walks.
+        workers: processes that each walk through one scene at a time.
+        limit: time after which a scene is given up [s].
+        walk: how attempts are drawn.
+    """
+
+    out: Path
+    scenes: str = "0:100"
+    seed: int = 0
+    workers: int = 2
+    limit: float = 600.0
+    walk: WalkConfig = WalkConfig()
+
+    def __post_init__(self) -> None:
+        check_range("seed", self.seed, 0, 2**63 - 1)
+        check_range("workers", self.workers, 1, 1024)
+        check_range("limit", self.limit, 1, 1e6, " s")
+
+
+def collect(options: Collect, console: Console) -> int:
+    """Collect what is not there yet and say what is there then; returns the exit code.
+
+    Raises:
+        IctampError: the folder holds attempts that were made in another way, or is in use.
+    """
+    scenes = parse_selection(options.scenes, MAX_SCENES)
+    options.out.mkdir(parents=True, exist_ok=True)
+    with locked(options.out):
+        _check_same(options)
+        shards = Shards(options.out)
+        shards.join(scenes)
+        done = shards.done()
+        todo = [scene for scene in scenes if scene not in done]
+        console.print(f"{options.out}: {len(todo)} scenes to walk through, {len(scenes) - len(todo)} done before")
+        broken = _walk_all(options, todo, shards, console) if todo else 0
+        shards.join(scenes)
+        _conclude(options, console)
+    return BROKEN if broken else COMPLETE
+
+
+def _check_same(options: Collect) -> None:
+    """Note how attempts are made, or compare it with what is noted."""
+    path = options.out / COLLECTION
+    fixed = json.loads(json.dumps({"seed": options.seed, "walk": asdict(options.walk)}))
+    if not path.exists():
+        write_whole(path, json.dumps({**fixed, **provenance()}, indent=2))
+        return
+    before = json.loads(path.read_text(encoding="utf-8"))
+    for key, value in fixed.items():
+        if before.get(key) != value:
+            raise IctampError(
+                f"{options.out}: cannot be continued with {key} {value}, since it was made with {before.get(key)}; "
+                f"take that or another --out"
+            )
+
+
+def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Console) -> int:
+    """Walk through the scenes in processes of their own; returns how many broke down, which then have no rows."""
+    progress = _Progress(len(todo), console)
+    broken = 0
+    with isolated(min(options.workers, len(todo)), end_with_parent) as pool:
+        with deaf_children():
+            pending: dict[Future[tuple[int, int]], int] = {
+                pool.schedule(_walk_one, (scene, options), timeout=options.limit): scene for scene in todo
+            }
+        while pending:
+            for future in wait(pending, timeout=1.0, return_when=FIRST_COMPLETED).done:
+                scene = pending.pop(future)
+                try:
+                    progress.add(*future.result())
+                except Exception as error:
+                    broken += 1
+                    shards.add(scene, [])
+                    progress.add(0, 0)
+                    console.print(f"scene {scene} is given up: {error!r}".partition("\n")[0])
+                if progress.finished % 10 == 0:
+                    shards.join(todo)
+            progress.tell()
+    return broken
+
+
+def _walk_one(scene: int, options: Collect) -> tuple[int, int]:
+    """Walk and write; returns how many attempts were made and how many of them executed."""
+    rows = walk(scene, options.seed, options.walk)
+    Shards(options.out).add(scene, rows)
+    return len(rows), sum(bool(row.attempt.motion) for row in rows)
+
+
+class _Progress:
+    """A line now and then: what is done, how fast, and how long the rest will take."""
+
+    def __init__(self, total: int, console: Console) -> None:
+        self._total = total
+        self._console = console
+        self._start = self._told = time.monotonic()
+        self._attempts = self._executed = 0
+        self.finished = 0
+
+    def add(self, attempts: int, executed: int) -> None:
+        """A scene is over."""
+        self.finished += 1
+        self._attempts += attempts
+        self._executed += executed
+
+    def tell(self) -> None:
+        """Print the line when it is time."""
+        now = time.monotonic()
+        if now - self._told < _REPORT and self.finished < self._total:
+            return
+        self._told = now
+        elapsed = now - self._start
+        left = clock(elapsed / self.finished * (self._total - self.finished)) if self.finished else "unknown"
+        self._console.print(
+            f"{clock(elapsed)}  {self.finished} of {self._total} scenes, {self._attempts} attempts, {self._executed} "
+            f"executed ({60 * self._executed / elapsed:.0f} a minute), time left {left}"
+        )
+
+
+def _conclude(options: Collect, console: Console) -> None:
+    """Write what there is beside the data, and show it."""
+    path = options.out / COLLECTION
+    about: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    about["summary"] = found = summary(options.out)
+    write_whole(path, json.dumps(about, indent=2))
+    rate = found["succeeded"] / max(1, found["executed"])
+    console.print(
+        f"\n{found['scenes']} scenes, {found['attempts']} attempts, {found['executed']} executed, {rate:.0%} of these "
+        f"succeeded; {sum(found['cpu_hours'].values()):.2f} CPU hours, {found['bytes'] / 1e6:.1f} MB"
+    )
+    for name, counts in found["by_skill_and_sampler"].items():
+        share = counts["succeeded"] / max(1, counts["executed"])
+        console.print(
+            f"  {name:20} {counts['attempts']:7} attempts {counts['executed']:7} executed {share:5.0%} succeeded"
+        )
+    for name, failures in found["failures"].items():
+        console.print(f"  {name} failed: " + ", ".join(f"{cause} {count}" for cause, count in failures.items()))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The program; returns its exit code."""
+    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
+    prog = "python -m ictamp_drake.experiments.collect"
+    try:
+        return collect(tyro.cli(Collect, prog=prog, args=arguments, config=(tyro.conf.FlagCreatePairsOff,)), console)
+    except IctampError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("Interrupted; the same command goes on, and repeats at most the scenes under way.", file=sys.stderr)
+        return INTERRUPTED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

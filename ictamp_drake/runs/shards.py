@@ -1,0 +1,88 @@
+"""The files of a collection: a part for each scene as soon as it is over, joined in blocks of scenes."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from ictamp_drake.learning.dataset import STAGES, Row, merge, opened, write
+
+BLOCK = 100
+"""Scenes whose rows share a file."""
+
+
+class Shards:
+    """The files in a folder, whatever was interrupted."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._parts = folder / "parts"
+
+    def add(self, scene: int, rows: Sequence[Row]) -> None:
+        """Write the part of a scene, which is done with it."""
+        self._parts.mkdir(parents=True, exist_ok=True)
+        write(rows, self._part(scene))
+
+    def done(self) -> set[int]:
+        """Scenes that are over."""
+        return {scene for first, last in self._blocks() for scene in range(first, last + 1)} | self._loose()
+
+    def join(self, scenes: Sequence[int]) -> None:
+        """Join in blocks what is loose of these scenes, as far as all scenes of a block are over."""
+        joined = {scene for first, last in self._blocks() for scene in range(first, last + 1)}
+        for scene in joined & self._loose():  # interrupted after its block was written
+            self._part(scene).unlink()
+        loose = self._loose()
+        for start in range(0, len(scenes), BLOCK):
+            block = scenes[start : start + BLOCK]
+            parts = sorted(loose.intersection(block))
+            if parts and loose | joined >= set(block):
+                merge([self._part(scene) for scene in parts], self._folder / f"{parts[0]:06d}-{parts[-1]:06d}.parquet")
+                for scene in parts:
+                    self._part(scene).unlink()
+
+    def _part(self, scene: int) -> Path:
+        return self._parts / f"{scene:06d}.parquet"
+
+    def _loose(self) -> set[int]:
+        return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdigit()}
+
+    def _blocks(self) -> Iterator[tuple[int, int]]:
+        for path in self._folder.glob("*.parquet"):
+            found = re.fullmatch(r"(\d+)-(\d+)", path.stem)
+            if found:
+                yield int(found[1]), int(found[2])
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    """What a folder of joined attempts holds, in the types of JSON.
+
+    Raises:
+        IctampError: there are no recorded attempts in the folder.
+    """
+    stages = [f"{stage}_ms" for stage in STAGES]
+    table = opened(folder).to_table(columns=["scene", "action", "sampler", "failure", "executed", *stages]).to_pandas()
+    executed = table[table["executed"]]
+    seconds = {stage: float(table[f"{stage}_ms"].sum()) / 1000 for stage in STAGES}
+    size = sum(path.stat().st_size for path in folder.glob("*.parquet"))
+    return {
+        "scenes": int(table["scene"].nunique()),
+        "attempts": len(table),
+        "executed": len(executed),
+        "succeeded": int(executed["failure"].isna().sum()),
+        "bytes": size,
+        "cpu_hours": {stage: round(value / 3600, 3) for stage, value in seconds.items()},
+        "by_skill_and_sampler": {
+            f"{action}, {sampler}": {
+                "attempts": len(group),
+                "executed": int(group["executed"].sum()),
+                "succeeded": int(group["failure"].isna().sum()),
+            }
+            for (action, sampler), group in table.groupby(["action", "sampler"], observed=True)
+        },
+        "failures": {
+            str(action): dict(Counter(group["failure"].dropna().astype(str)).most_common())
+            for action, group in table.groupby("action", observed=True)
+        },
+    }
