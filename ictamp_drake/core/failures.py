@@ -6,7 +6,6 @@ from enum import Enum
 class Failure(Enum):
     """Cause of a failed attempt, in the order in which a skill can meet them."""
 
-    NO_SAMPLE = "no parameter k found"
     NO_INVERSE_KINEMATICS = "no inverse-kinematics solution"
     GOAL_IN_COLLISION = "grasp or placement in collision"
     NO_PATH = "no collision-free path"
@@ -16,7 +15,6 @@ class Failure(Enum):
     OTHER_MOVED = "another object moved"
     WRONG_STATE = "wrong symbolic state"
     NOT_SETTLED = "did not settle"
-    OUT_OF_TIME = "time ran out"
 
     def __str__(self) -> str:
         return self.value
@@ -27,4 +25,4 @@ class Failure(Enum):
         return self in _KINEMATIC
 
 
-_KINEMATIC = frozenset({Failure.NO_SAMPLE, Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})
+_KINEMATIC = frozenset({Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})

@@ -5,6 +5,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, C, FloatArray, Parameter, Skeleton, State
 
 C_contra = TypeVar("C_contra", bound=Hashable, contravariant=True)
@@ -49,5 +50,5 @@ class Estimator(Protocol[C_contra]):
 class Sampler(Protocol[C_contra]):
     """A source of skill parameters k."""
 
-    def sample(self, c: C_contra, action: Action, rng: np.random.Generator) -> Parameter | None:
-        """One k for the action from c, or None when none was found."""
+    def sample(self, c: C_contra, action: Action, rng: np.random.Generator) -> Parameter | Failure:
+        """One k for the action from c, or why there is none; the step then ends without another draw."""

@@ -12,8 +12,10 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.base import TIP
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
 from ictamp_drake.world.poses import to_transform
@@ -79,14 +81,32 @@ class OptimisationSampler:
         self._config = config
         self._solver = SnoptSolver()
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | None:
-        """One k, or None when no program had a solution."""
+    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | Failure:
+        """One k, or why no program had a solution: the neighbours, or what holds without them, the arm."""
+        k = self._draw(c, action, rng, self._neighbours(c, action))
+        if k is not None:
+            return k
+        alone = self._draw(c, action, rng, [])
+        return Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
+
+    def _neighbours(self, c: Configuration, action: Action) -> list[Neighbour]:
+        """What reaches as high as the fingers of a grasp, or as the place where the held box is put."""
+        box, other = action.args
+        if action.name == "place":
+            return neighbours(self._world, c, {box, other}, self._world.X_WT(c, other).translation()[2])
+        lying = self._world.upright(c, box)
+        lowest = lying.X_WT.translation()[2] - min(self._config.depth[1], lying.size[2] - self._config.ground)
+        return neighbours(self._world, c, {box}, lowest - TIP)
+
+    def _draw(
+        self, c: Configuration, action: Action, rng: np.random.Generator, around: Sequence[Neighbour]
+    ) -> Parameter | None:
         box, other = action.args
         if action.name == "pick":
-            X_WG = self._solve(lambda: self._grasp(c, box, rng), rng)
+            X_WG = self._solve(lambda: self._grasp(c, box, around, rng), rng)
             return None if X_WG is None else grasp_parameter(self._world, c, box, X_WG)
         X_GB = held_bottom(self._world, c, box, self._arm.forward(c.q[:7]))
-        X_WG = self._solve(lambda: self._placement(c, box, other, X_GB, rng), rng)
+        X_WG = self._solve(lambda: self._placement(c, action, X_GB, around, rng), rng)
         return None if X_WG is None else placement_parameter(self._world, c, other, X_GB, X_WG)
 
     def _solve(self, pose: Callable[[], "_Program | None"], rng: np.random.Generator) -> RigidTransform | None:
@@ -98,7 +118,9 @@ class OptimisationSampler:
                 return self._arm.forward(q)
         return None
 
-    def _grasp(self, c: Configuration, box: str, rng: np.random.Generator) -> "_Program | None":
+    def _grasp(
+        self, c: Configuration, box: str, around: Sequence[Neighbour], rng: np.random.Generator
+    ) -> "_Program | None":
         """Fingers along one of the box's faces, G near its middle, neither too high nor too deep."""
         config, lying = self._config, self._world.upright(c, box)
         quarters = [m for m in range(4) if lying.size[1 - m % 2] <= config.max_width]
@@ -115,16 +137,20 @@ class OptimisationSampler:
         aim = rng.uniform(lower, upper)
         program.keep_inside(lower, upper, aim, np.zeros(3))
         program.align(R_DOWN, RotationMatrix())
-        p_WG = program.X_WA @ aim
-        program.keep_clear(OPEN_FINGERS, FINGER_RADIUS, neighbours(self._world, c, {box}, p_WG[2] - 0.02), p_WG[2])
+        program.keep_clear(OPEN_FINGERS, FINGER_RADIUS, around, (program.X_WA @ aim)[2])
         return program
 
     def _placement(
-        self, c: Configuration, box: str, receptacle: str, X_GB: RigidTransform, rng: np.random.Generator
+        self,
+        c: Configuration,
+        action: Action,
+        X_GB: RigidTransform,
+        around: Sequence[Neighbour],
+        rng: np.random.Generator,
     ) -> "_Program | None":
         """Just above the top face: inside a support's face where there is room, in the middle of a box."""
+        box, receptacle = action.args
         config, X_WT = self._config, self._world.X_WT(c, receptacle)
-        around = neighbours(self._world, c, {box, receptacle}, X_WT.translation()[2])
         radius = float(np.linalg.norm(self._world.upright(c, box).size[:2])) / 2
         on_box = receptacle in self._world.spec.boxes
         bound = np.full(2, config.overhang) if on_box else self._world.top_size(c, receptacle) / 2 - radius

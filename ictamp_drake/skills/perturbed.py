@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.world.world import World
@@ -39,11 +40,11 @@ class PerturbedSampler:
         self._sampler = sampler
         self._config = config
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | None:
-        """One k, or None when the other sampler found none."""
+    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | Failure:
+        """One k, or why the other sampler found none."""
         k = self._sampler.sample(c, action, rng)
-        if k is None:
-            return None
+        if isinstance(k, Failure):
+            return k
         config = self._config
         if action.name == "pick":
             return k + self._noise(config.grasp, rng)

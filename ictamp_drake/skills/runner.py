@@ -120,10 +120,11 @@ class Skills:
         k = None
         for _ in range(self.draws):
             with clock.timed("sampling"):
-                k = self.sampler.sample(c, action, rng)
-            if k is None:
-                refusals.append(Refusal(Failure.NO_SAMPLE))
-                continue
+                drawn = self.sampler.sample(c, action, rng)
+            if isinstance(drawn, Failure):
+                refusals.append(Refusal(drawn, "the sampler found no parameter"))
+                break
+            k = drawn
             with clock.timed("motion"):
                 plan = self.skills[action.name].plan(c, action, k, rng)
             if not isinstance(plan, Refusal):

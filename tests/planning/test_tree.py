@@ -88,7 +88,7 @@ def test_a_success_without_successor_is_refused_and_not_counted(tree: Tree[ToyCo
 def test_log_summary_and_dictionary_tell_the_same_story(tree: Tree[ToyConfiguration]) -> None:
     tree.record_opening(None, 1000)
     tree.record_opening(UP_RIGHT, 12)
-    tree.record_step(ROOT, 0, Attempt(UP_RIGHT.actions[0], Failure.NO_PATH, rejections=(Failure.NO_SAMPLE,)))
+    tree.record_step(ROOT, 0, Attempt(UP_RIGHT.actions[0], Failure.NO_PATH, rejections=(Failure.GOAL_IN_COLLISION,)))
     tree.record_step(ROOT, 0, success(UP_RIGHT, (0, 1)))
     tree.record_step(1, 1, success(UP_RIGHT.suffix(1), (1, 1)))
     tree.candidates[2] = True
@@ -124,7 +124,7 @@ def test_log_summary_and_dictionary_tell_the_same_story(tree: Tree[ToyConfigurat
         "action": "up()",
         "k": None,
         "failure": "NO_PATH",
-        "rejections": ["NO_SAMPLE"],
+        "rejections": ["GOAL_IN_COLLISION"],
         "child": None,
     }
     assert "c" not in tree.to_dict()["nodes"][0]

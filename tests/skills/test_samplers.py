@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -64,7 +65,7 @@ SITUATIONS = ("pick from the table", "pick what is tipped", "pick from the rack"
 
 def draws(
     sampler: Sampler[Configuration], c: Configuration, action: Action, count: int, seed: int = 0
-) -> list[FloatArray | None]:
+) -> list[FloatArray | Failure]:
     rng = np.random.default_rng(seed)
     return [sampler.sample(c, action, rng) for _ in range(count)]
 
@@ -77,7 +78,7 @@ def draws(
 def test_k_is_four_finite_numbers(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
     c, action = situations(world)[situation]
     before = c.poses["red_box"].copy()
-    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 5) if k is not None]
+    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 5) if not isinstance(k, Failure)]
     assert found
     for k in found:
         assert k.shape == (4,)
@@ -97,7 +98,7 @@ def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: 
         sampler.sample(other_c, other_action, np.random.default_rng(99))
     own = SAMPLERS[name].create(world, ArmKinematics(to_transform(world.spec.arm.X_WB)))
     for again in (draws(sampler, c, action, 3), draws(own, c, action, 3)):
-        assert [k is None for k in again] == [k is None for k in first]
+        assert [isinstance(k, Failure) for k in again] == [isinstance(k, Failure) for k in first]
         for one, other in zip(first, again, strict=True):
             np.testing.assert_array_equal(one, other)
 
@@ -106,7 +107,7 @@ def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: 
 @pytest.mark.parametrize("name", SAMPLERS)
 def test_draws_differ(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
     c, action = situations(world)[situation]
-    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 8) if k is not None]
+    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 8) if not isinstance(k, Failure)]
     spread = np.ptp(np.array(found), axis=0)
     assert len(found) >= 4
     assert spread[:2].max() > 1e-3
@@ -133,7 +134,7 @@ def test_optimised_k_can_be_reached(
     world: World, arm: ArmKinematics, sampler: Sampler[Configuration], situation: str
 ) -> None:
     c, action = situations(world)[situation]
-    found = [k for k in draws(sampler, c, action, 6) if k is not None]
+    found = [k for k in draws(sampler, c, action, 6) if not isinstance(k, Failure)]
     assert len(found) >= 5
     rng = np.random.default_rng(0)
     for k in found:
@@ -148,7 +149,7 @@ def test_optimised_grasps_are_within_bounds(world: World, sampler: Sampler[Confi
     c, action = situations(world)[situation]
     size = world.upright(c, action.args[0]).size
     sides = set()
-    for k in (k for k in draws(sampler, c, action, 8) if k is not None):
+    for k in (k for k in draws(sampler, c, action, 8) if not isinstance(k, Failure)):
         quarter = round(k[3] / (np.pi / 2))
         assert abs(k[3] - quarter * np.pi / 2) <= CONFIG.turn + 1e-3
         across, along = np.abs(k[:2] if quarter % 2 == 0 else k[1::-1])
@@ -170,7 +171,7 @@ def test_optimised_placements_are_within_bounds(world: World, sampler: Sampler[C
     radius = np.linalg.norm(world.upright(c, box).size[:2]) / 2
     on_box = receptacle in SIZES
     bound = np.full(2, CONFIG.overhang) if on_box else world.top_size(c, receptacle) / 2 - radius
-    for k in (k for k in draws(sampler, c, action, 8) if k is not None):
+    for k in (k for k in draws(sampler, c, action, 8) if not isinstance(k, Failure)):
         assert np.all(np.abs(k[:2]) <= bound + 1e-4)
         assert CONFIG.height[0] - 1e-4 <= k[2] <= CONFIG.height[1] + 1e-4
         if on_box:
@@ -195,12 +196,12 @@ def test_there_is_no_k_for_an_impossible_place(
 ) -> None:
     c = holding(world, "yellow_box")
     far = arranged(world, {**c.poses, "red_box": pose(2.0, 0.0, 0.059)}, "yellow_box")
-    assert sampler.sample(far, action, np.random.default_rng(0)) is None, what
+    assert sampler.sample(far, action, np.random.default_rng(0)) is Failure.NO_INVERSE_KINEMATICS, what
 
 
 def test_there_is_no_k_for_a_box_out_of_reach(world: World, sampler: Sampler[Configuration]) -> None:
     far = arranged(world, {"red_box": pose(2.0, 0.0, 0.059)})
-    assert sampler.sample(far, pick("red_box", "table"), np.random.default_rng(0)) is None
+    assert sampler.sample(far, pick("red_box", "table"), np.random.default_rng(0)) is Failure.NO_INVERSE_KINEMATICS
 
 
 def test_there_is_no_k_where_no_room_is_left(world: World, arm: ArmKinematics) -> None:
@@ -210,4 +211,4 @@ def test_there_is_no_k_where_no_room_is_left(world: World, arm: ArmKinematics) -
     poses = {name: pose(x, y, RACK_TOP + SIZES[name][2] / 2) for name, (x, y) in crowd.items()}
     full = arranged(world, {**c.poses, **poses}, "yellow_box")
     greedy = dataclasses.replace(CONFIG, clearance=0.1).create(world, arm)
-    assert greedy.sample(full, place("yellow_box", "rack"), np.random.default_rng(0)) is None
+    assert greedy.sample(full, place("yellow_box", "rack"), np.random.default_rng(0)) is Failure.GOAL_IN_COLLISION

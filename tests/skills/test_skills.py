@@ -13,7 +13,7 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.base import TIP
 from ictamp_drake.skills.optimisation import OptimisationConfig
-from ictamp_drake.skills.runner import SamplerConfig
+from ictamp_drake.skills.runner import SamplerConfig, SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
 from tests.skills.rig import Rig, pick, place, rig
@@ -184,7 +184,6 @@ def refused(spec: SceneSpec, action: Action, sampler: SamplerConfig) -> Attempt[
     assert attempt.failure.is_kinematic
     assert attempt.successor is None
     assert attempt.motion == ()
-    assert len(attempt.rejections) == setup.skills.draws - 1
     assert "physics" not in attempt.seconds
     assert attempt.seconds["sampling"] >= 0
     return attempt
@@ -192,6 +191,7 @@ def refused(spec: SceneSpec, action: Action, sampler: SamplerConfig) -> Attempt[
 
 def test_a_box_out_of_reach_is_refused_by_inverse_kinematics() -> None:
     attempt = refused(FAR, pick("yellow_box", "table"), UniformConfig())
+    assert len(attempt.rejections) == SkillsConfig().draws - 1
     assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
     assert set(attempt.rejections) == {Failure.NO_INVERSE_KINEMATICS}
     assert attempt.k is not None
@@ -204,11 +204,14 @@ def test_a_walled_in_box_is_refused_and_the_wall_named() -> None:
     assert {Failure.GOAL_IN_COLLISION} <= set(attempt.rejections)
 
 
-@pytest.mark.parametrize("spec", [FAR, WALLED_IN])
-def test_a_sampler_that_finds_nothing_is_a_refusal_too(spec: SceneSpec) -> None:
-    attempt = refused(spec, pick("yellow_box", "table"), OptimisationConfig(restarts=2))
-    assert attempt.failure is Failure.NO_SAMPLE
+@pytest.mark.parametrize(
+    ("spec", "cause"), [(FAR, Failure.NO_INVERSE_KINEMATICS), (WALLED_IN, Failure.GOAL_IN_COLLISION)]
+)
+def test_a_sampler_that_finds_nothing_says_why_and_is_not_asked_again(spec: SceneSpec, cause: Failure) -> None:
+    attempt = refused(spec, pick("yellow_box", "table"), OptimisationConfig(restarts=4))
+    assert attempt.failure is cause
     assert attempt.k is None
+    assert attempt.rejections == ()
 
 
 # execution that fails
