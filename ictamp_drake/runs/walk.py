@@ -74,15 +74,17 @@ class _Course:
         self._rng = rng
         self._world = World(spec)
         self._abstraction = Abstraction(self._world)
-        physics = PhysicsConfig().create(spec)
-        self._skills: Skills = SkillsConfig().create(self._world, self._abstraction, physics, OptimisationConfig())
+        self._physics = PhysicsConfig().create(spec)
+        self._skills: Skills = SkillsConfig().create(
+            self._world, self._abstraction, self._physics, OptimisationConfig()
+        )
         self._samplers: dict[str, Sampler[Configuration]] = {
             "optimisation": self._skills.sampler,
             "perturbed": PerturbedSampler(self._world, self._skills.sampler, config.noise),
             "uniform": UniformSampler(self._world, UniformConfig(max_height=config.drop)),
         }
         self._domains: dict[State, Domain] = {}
-        self._met = [start_configuration(self._world, self._abstraction, physics, spec.description)]
+        self._met = [start_configuration(self._world, self._abstraction, self._physics, spec.description)]
         self._drawn = [0]
 
     def attempts(self) -> Iterator[tuple[int, int, str, Configuration, Attempt[Configuration]]]:
@@ -96,10 +98,9 @@ class _Course:
                 tried.append(attempt)
                 yield here, self._drawn[here], sampler, self._met[here], attempt
                 self._drawn[here] += 1
-            succeeded = any(attempt.succeeded for attempt in tried)
-            failed = 0 if succeeded else failed + 1
+            failed = 0 if any(attempt.succeeded for attempt in tried) else failed + 1
             onward = self._onward(tried)
-            if onward is not None and (succeeded or self._rng.random() < self._config.stray):
+            if onward is not None:
                 self._met.append(onward)
                 self._drawn.append(0)
                 here = len(self._met) - 1
@@ -128,14 +129,22 @@ class _Course:
         return sampler, replace(attempt, seconds={**attempt.seconds, **seconds})
 
     def _onward(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
-        """Where one of the successes, or else of the failures, ended, if planning could go on from there."""
-        ends = [a for a in tried if a.successor is not None and a.failure is not Failure.NOT_SETTLED]
-        ends = [a for a in ends if a.succeeded] or ends
-        for number in self._rng.permutation(len(ends)):
-            c = ends[number].successor
-            if c is not None and self._successors(c):
-                return c
-        return None
+        """Where one of the successes, or now and then of the failures, ended, if planning could go on from there."""
+        ends = [attempt.successor for attempt in tried if attempt.succeeded]
+        if not ends and self._rng.random() < self._config.stray:
+            ends = [self._settled(attempt.successor) for attempt in tried]
+        known = [c for c in ends if c is not None and self._successors(c)]
+        return known[self._rng.integers(len(known))] if known else None
+
+    def _settled(self, c: Configuration | None) -> Configuration | None:
+        """c at rest, since a failed attempt can end in the midst of its motion."""
+        if c is None:
+            return None
+        try:
+            outcome = self._physics.run(c, ())
+        except RuntimeError:  # the contact solver diverges in a few jammed situations
+            return None
+        return outcome.c if outcome.settled else None
 
     def _successors(self, c: Configuration) -> tuple[tuple[Action, State], ...]:
         """Applicable actions, none in a state that the domain does not know, e.g. when a box leans on another."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
 from ictamp_drake.world.world import World
@@ -18,9 +19,9 @@ CONFIG = PerturbedConfig()
 class Fixed:
     """Always the same k."""
 
-    k: Parameter | None
+    k: Parameter | Failure
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | None:  # noqa: ARG002
+    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | Failure:  # noqa: ARG002
         """It."""
         return self.k
 
@@ -51,5 +52,6 @@ def test_supports_leave_more_room_than_boxes() -> None:
 
 
 def test_no_k_stays_no_k() -> None:
-    sampler = PerturbedSampler(WORLD, Fixed(None), CONFIG)
-    assert sampler.sample(START, Action("pick", ("blue_box", "red_box")), np.random.default_rng(0)) is None
+    sampler = PerturbedSampler(WORLD, Fixed(Failure.GOAL_IN_COLLISION), CONFIG)
+    k = sampler.sample(START, Action("pick", ("blue_box", "red_box")), np.random.default_rng(0))
+    assert k is Failure.GOAL_IN_COLLISION

@@ -1,0 +1,145 @@
+"""Rows of attempts: written, joined, read back, and turned into what is learned from."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand, Segment
+from ictamp_drake.learning.dataset import (
+    Row,
+    action,
+    configuration,
+    fingerprint,
+    load,
+    merge,
+    opened,
+    scene,
+    scene_text,
+    write,
+)
+from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
+
+MOTION = (Segment("stay", 0.1, GripperCommand(0.08), 1, np.array([0.0, 0.1]), np.zeros((1, 7))),)
+
+
+def row(number: int, state: int = 0, draw: int = 0, failure: Failure | None = None, k: bool = True) -> Row:
+    """An attempt in a training scene: a pick in even states, a placement in odd ones."""
+    spec = training_scene(number)
+    rng = np.random.default_rng([number, state])
+    box = min(spec.boxes)
+    poses = {name: each.X_WO + rng.normal(scale=1e-3, size=7) for name, each in spec.boxes.items()}
+    held = box if state % 2 else None
+    c = Configuration(rng.normal(size=9), poses, held, GripperCommand(0.05, 30.0))
+    executed = failure is None or not failure.is_kinematic
+    attempt = Attempt(
+        Action("place" if state % 2 else "pick", (box, "table")),
+        failure,
+        successor=c if executed else None,
+        k=rng.normal(size=4) if k else None,
+        motion=MOTION if executed else (),
+        seconds={"sampling": 0.001, "motion": 0.0204, "physics": 0.25},
+    )
+    return Row(number, scene_text(spec), state, draw, "uniform", c, attempt)
+
+
+ROWS_OF_TWO_SCENES = [
+    row(3),
+    row(3, 0, 1, Failure.SLIPPED),
+    row(3, 1, 0, Failure.NO_PATH),
+    row(4, 0, 0, Failure.NO_INVERSE_KINEMATICS, k=False),
+    row(4, 1),
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write(ROWS_OF_TWO_SCENES, tmp_path / "all.parquet")
+    return tmp_path
+
+
+def test_rows_come_back_as_they_were_written(folder: Path) -> None:
+    read = opened(folder).to_table().to_pylist()
+    for written, found in zip(ROWS_OF_TWO_SCENES, read, strict=True):
+        attempt, c = written.attempt, configuration(found)
+        assert action(found) == attempt.action
+        assert (found["scene"], found["state"], found["draw"]) == (written.scene, written.state, written.draw)
+        assert found["failure"] == (attempt.failure.name if attempt.failure else None)
+        assert found["executed"] == bool(attempt.motion)
+        assert found["motion_ms"] == 20
+        assert (c.held, found["sampler"]) == (written.c.held, "uniform")
+        np.testing.assert_allclose(c.q, written.c.q, rtol=1e-6)
+        np.testing.assert_allclose([c.gripper.width, c.gripper.force], [0.05, 30.0], rtol=1e-6)
+        for name, pose in written.c.poses.items():
+            np.testing.assert_allclose(c.poses[name], pose, atol=1e-6)
+        if attempt.k is None:
+            assert found["k"] is None
+        else:
+            np.testing.assert_allclose(found["k"], attempt.k, rtol=1e-6)
+        moved = None if attempt.successor is None else attempt.successor.poses[attempt.action.args[0]]
+        assert (found["moved"] is None) == (moved is None)
+        if moved is not None:
+            np.testing.assert_allclose(found["moved"], moved, atol=1e-6)
+
+
+@pytest.mark.parametrize("number", range(9))
+def test_a_scene_comes_back_from_its_text(number: int) -> None:
+    assert scene(scene_text(training_scene(number))) == training_scene(number)
+
+
+def test_matrices_are_those_of_the_configurations(folder: Path) -> None:
+    attempts = load(folder)
+    with_k = [each for each in ROWS_OF_TWO_SCENES if each.attempt.k is not None]
+    assert len(attempts) == len(with_k)
+    for number, each in enumerate(with_k):
+        seen = Observer(training_scene(each.scene)).observe(each.c, each.attempt.action)
+        np.testing.assert_allclose(attempts.matrix[number], seen.matrix, atol=2e-5)
+        np.testing.assert_array_equal(attempts.mask[number], seen.mask)
+        np.testing.assert_allclose(attempts.k[number], each.attempt.k, rtol=1e-6)
+    assert attempts.success.tolist() == [True, False, False, True]
+    assert attempts.executed.tolist() == [True, True, False, True]
+    assert attempts.failure.tolist() == ["", "SLIPPED", "NO_PATH", ""]
+    assert attempts.scene.tolist() == [3, 3, 3, 4]
+
+
+def test_one_skill_can_be_chosen(folder: Path) -> None:
+    attempts = load(folder, "place")
+    assert set(attempts.action) == {"place"}
+    assert len(attempts) == 2
+    assert len(attempts.chosen(attempts.success)) == 1
+
+
+def test_joining_changes_no_rows(folder: Path, tmp_path: Path) -> None:
+    parts, joined = tmp_path / "parts", tmp_path / "joined"
+    parts.mkdir()
+    joined.mkdir()
+    write(ROWS_OF_TWO_SCENES[3:], parts / "2.parquet")
+    write([], parts / "1.parquet")
+    write(ROWS_OF_TWO_SCENES[:3][::-1], parts / "0.parquet")
+    merge(sorted(parts.glob("*.parquet")), joined / "all.parquet")
+    assert opened(joined).to_table().to_pylist() == opened(folder).to_table().to_pylist()
+    assert fingerprint(joined) == fingerprint(folder)
+
+
+def test_the_fingerprint_tells_data_apart(folder: Path) -> None:
+    before = fingerprint(folder)
+    write([row(5)], folder / "more.parquet")
+    assert fingerprint(folder) != before
+
+
+def test_no_rows_are_no_attempts(tmp_path: Path) -> None:
+    write([], tmp_path / "none.parquet")
+    assert load(tmp_path).matrix.shape == (0, ROWS, SCHEMA.width)
+
+
+def test_a_folder_without_attempts_is_named(tmp_path: Path) -> None:
+    with pytest.raises(IctampError, match=str(tmp_path)):
+        load(tmp_path)
+
+
+def test_unfinished_files_are_not_read(folder: Path) -> None:
+    (folder / ".all.parquet.123").write_text("half of a fi")
+    assert len(load(folder)) == 4
