@@ -1,0 +1,119 @@
+"""The collection as its users run it: killed, resumed, broken and misused."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from ictamp_drake.experiments import collect as program
+from ictamp_drake.learning.dataset import fingerprint, opened
+from ictamp_drake.runs.shards import Shards
+from tests.runs.programs import command, environment, run
+
+SHORT = ("--walk.states", "2", "--walk.draws", "2")
+
+
+def timeless(folder: Path) -> list[dict[str, Any]]:
+    """All rows without what differs from run to run."""
+    rows = opened(folder).to_table().to_pylist()
+    return [{name: value for name, value in row.items() if not name.endswith("_ms")} for row in rows]
+
+
+@pytest.fixture(scope="module")
+def collected(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Attempts in scenes 0 to 3, made by one worker without interruption."""
+    folder = tmp_path_factory.mktemp("collected")
+    done = run("experiments.collect", "--scenes", "0:4", "--out", "data", "--workers", "1", *SHORT, folder=folder)
+    assert done.returncode == 0, done.stderr
+    assert "4 of 4 scenes, 16 attempts" in done.stdout
+    return folder / "data"
+
+
+def processes_in(folder: Path) -> list[int]:
+    """Processes whose working directory is the folder."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and (entry / "cwd").resolve() == folder.resolve():
+                found.append(int(entry.name))
+        except OSError:
+            continue
+    return found
+
+
+def test_a_summary_lies_beside_the_data(collected: Path) -> None:
+    about = json.loads((collected / "collection.json").read_text())
+    rows = timeless(collected)
+    assert about["seed"] == 0
+    assert about["walk"]["states"] == 2
+    assert about["summary"]["attempts"] == len(rows) == 16
+    assert about["summary"]["executed"] == sum(row["executed"] for row in rows)
+    assert about["summary"]["succeeded"] == sum(row["failure"] is None for row in rows)
+    assert sum(counts["attempts"] for counts in about["summary"]["by_skill_and_sampler"].values()) == 16
+    assert not list((collected / "parts").iterdir())
+
+
+def test_killed_and_resumed_by_two_workers_it_is_the_same_data(collected: Path, tmp_path: Path) -> None:
+    arguments = ("--scenes", "0:4", "--out", "data", "--workers", "2", *SHORT)
+    first = subprocess.Popen(
+        command("experiments.collect", *arguments), cwd=tmp_path, env=environment(), stdout=subprocess.DEVNULL
+    )
+    parts = tmp_path / "data" / "parts"
+    while not list(parts.glob("[0-9]*.parquet")):
+        assert first.poll() is None
+        time.sleep(0.02)
+    first.send_signal(signal.SIGKILL)
+    first.wait()
+    deadline = time.monotonic() + 60
+    while processes_in(tmp_path) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not processes_in(tmp_path)  # workers do not outlive it
+    done = len(list(parts.glob("[0-9]*.parquet")))
+    assert 0 < done < 4
+    second = run("experiments.collect", *arguments, folder=tmp_path)
+    assert second.returncode == 0, second.stderr
+    assert f"{4 - done} scenes to walk through, {done} done before" in second.stdout
+    assert timeless(tmp_path / "data") == timeless(collected)
+    assert fingerprint(tmp_path / "data") == fingerprint(collected)
+
+
+def test_what_is_done_is_not_done_again(collected: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in collected.glob("*.parquet")}
+    again = run("experiments.collect", "--scenes", "0:4", "--out", collected, *SHORT, folder=collected.parent)
+    assert "0 scenes to walk through, 4 done before" in again.stdout
+    assert {path: path.stat().st_mtime_ns for path in collected.glob("*.parquet")} == before
+
+
+def test_other_options_are_refused(collected: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert program.main(["--scenes", "0:4", "--out", str(collected), *SHORT, "--seed", "1"]) == 2
+    assert "cannot be continued with seed 1" in capsys.readouterr().err
+    assert program.main(["--scenes", "six", "--out", str(collected), *SHORT]) == 2
+    assert "six" in capsys.readouterr().err
+
+
+def _die_in_scene_4(scene: int, options: program.Collect) -> tuple[int, int]:
+    if scene == 4:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if scene == 5:
+        time.sleep(600)
+    Shards(options.out).add(scene, [])
+    return 0, 0
+
+
+def test_a_scene_that_crashes_or_hangs_costs_only_itself(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(program, "_walk_one", _die_in_scene_4)
+    options = program.Collect(out=tmp_path, scenes="3:7", workers=1, limit=3.0)
+    assert program.collect(options, Console(width=120)) == 1
+    printed = capsys.readouterr().out
+    assert "scene 4 is given up" in printed
+    assert "scene 5 is given up" in printed
+    assert "4 of 4 scenes" in printed
+    assert Shards(tmp_path).done() == {3, 4, 5, 6}
