@@ -9,6 +9,8 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -254,13 +256,13 @@ def _words(column: pa.Array) -> NDArray[np.str_]:
 
 
 def _observed(batch: pa.RecordBatch) -> Observation:
-    """The matrices of the rows; rows of one configuration follow each other."""
+    """The matrices of the rows, which are sorted by scene."""
     rows = batch.select(["spec", "q", "poses", "held", "gripper", "action", "box", "place"]).to_pylist()
-    matrix = np.zeros((len(rows), ROWS, SCHEMA.width), dtype=np.float32)
-    mask = np.zeros((len(rows), ROWS), dtype=bool)
-    for number, row in enumerate(rows):
-        matrix[number], mask[number] = observer(row["spec"]).observe(configuration(row), action(row))
-    return Observation(matrix, mask)
+    groups = [list(group) for _, group in groupby(rows, key=itemgetter("spec"))]
+    seen = [observer(group[0]["spec"]).observe_all([(configuration(r), action(r)) for r in group]) for group in groups]
+    if not seen:
+        return Observation(np.zeros((0, ROWS, SCHEMA.width), np.float32), np.zeros((0, ROWS), bool))
+    return Observation(np.concatenate([s.matrix for s in seen]), np.concatenate([s.mask for s in seen]))
 
 
 @lru_cache(maxsize=256)

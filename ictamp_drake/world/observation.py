@@ -8,7 +8,6 @@ Nothing here depends on names, nor on where in the world the scene stands: all i
 the target frame K that k is expressed in (U of the box to grasp, T of the receptacle) and to the hand's frame G.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -18,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray
-from ictamp_drake.models.constants import DH_PARAMETERS, FLANGE_OFFSET, GRASP_OFFSET, HAND_ANGLE
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.world.matrices import all_upright, flat, forward, inverse, to_matrices
 
 ROWS = 8
 """Objects in a matrix at most."""
@@ -115,6 +114,12 @@ _ROLE = [SCHEMA.index(f"is_{role}") for role in ROLES]
 _SCALES = SCHEMA.scales
 
 
+ABSENT = -1
+"""Number of no object."""
+
+Numbers = NDArray[np.intp]
+
+
 class Observation(NamedTuple):
     """Primitive state matrices.
 
@@ -132,151 +137,116 @@ class Observer:
 
     def __init__(self, spec: SceneSpec) -> None:
         self._boxes = sorted(spec.boxes)
-        self._names = [*self._boxes, *sorted(spec.supports)]
-        self._row = {name: row for row, name in enumerate(self._names)}
+        names = [*self._boxes, *sorted(spec.supports)]
+        self._number = {name: number for number, name in enumerate(names)}
         self._sizes = np.array([spec.boxes[name].size for name in self._boxes])
-        self._X_BW = np.linalg.inv(_matrices(spec.arm.X_WB[None])[0])
-        supports = [spec.supports[name] for name in self._names[len(self._boxes) :]]
-        self._supports = self._X_BW @ _matrices(np.array([support.X_WT for support in supports]))
+        supports = [spec.supports[name] for name in names[len(self._boxes) :]]
         self._support_sizes = np.array([support.size for support in supports])
-        self._supports[:, :3, 3] -= self._supports[:, :3, 2] * self._support_sizes[:, 2:] / 2
+        self._X_BW = np.linalg.inv(to_matrices(spec.arm.X_WB))
+        self._X_BS = self._X_BW @ to_matrices(np.array([support.X_WT for support in supports]))
+        self._X_BS[:, :3, 3] -= self._X_BS[:, :3, 2] * self._support_sizes[:, 2:] / 2
 
     def observe(self, c: Configuration, action: Action) -> Observation:
         """The matrix of one option, shape (8, D), and its mask, shape (8,)."""
-        return self._observe(self._layout(c), action)
+        matrix, mask = self.observe_all([(c, action)])
+        return Observation(matrix[0], mask[0])
 
     def observe_all(self, options: Sequence[tuple[Configuration, Action]]) -> Observation:
-        """The matrices of n options, shape (n, 8, D), and their masks, shape (n, 8).
+        """The matrices of n options, shape (n, 8, D), and their masks, shape (n, 8), in one go."""
+        if not options:
+            return Observation(np.zeros((0, ROWS, SCHEMA.width), np.float32), np.zeros((0, ROWS), bool))
+        distinct = {c: number for number, c in enumerate(dict.fromkeys(c for c, _ in options))}
+        layout = self._layout(list(distinct)).at([distinct[c] for c, _ in options])
+        picks = np.array([action.name == "pick" for _, action in options])
+        box, place = np.array([[self._number[name] for name in action.args] for _, action in options]).T
+        first = np.stack([box, layout.held, place], axis=1)
+        first[~picks, :2] = np.stack([np.full_like(box, ABSENT), box], axis=1)[~picks]
+        first[picks & (first[:, 1] == box), 1] = ABSENT
+        rows = layout.rows(first, np.where(picks, box, first[:, 1]), place)
+        X_BK = np.where(picks[:, None, None], layout.X_BU[_all(box), box], layout.tops(place))
+        return _observation(layout, rows, X_BK)
 
-        Options that share a configuration share most of the work.
-        """
-        layouts: dict[Configuration, _Layout] = {}
-        matrix = np.zeros((len(options), ROWS, SCHEMA.width), dtype=np.float32)
-        mask = np.zeros((len(options), ROWS), dtype=bool)
-        for number, (c, action) in enumerate(options):
-            if c not in layouts:
-                layouts[c] = self._layout(c)
-            matrix[number], mask[number] = self._observe(layouts[c], action)
-        return Observation(matrix, mask)
-
-    def _layout(self, c: Configuration) -> "_Layout":
-        """All objects of c, boxes and then supports."""
-        count = len(self._boxes)
-        X_BU = np.empty((len(self._names), 4, 4))
-        X_BU[:count], sizes, upright = _upright(
-            _matrices(np.array([c.poses[name] for name in self._boxes])), self._sizes
+    def _layout(self, configurations: Sequence[Configuration]) -> "_Layout":
+        """All objects, boxes and then supports, of each configuration."""
+        count, boxes = len(configurations), len(self._boxes)
+        poses = np.array([[c.poses[name] for name in self._boxes] for c in configurations])
+        X_WU, sizes, upright = all_upright(to_matrices(poses), self._sizes)
+        X_BU = np.concatenate([self._X_BW @ X_WU, np.broadcast_to(self._X_BS, (count, *self._X_BS.shape))], axis=1)
+        support_sizes = np.broadcast_to(self._support_sizes, (count, *self._support_sizes.shape))
+        columns = np.zeros((*X_BU.shape[:2], SCHEMA.width))
+        columns[..., _BASE] = flat(X_BU)
+        columns[:, :boxes, _BOX] = sizes
+        columns[:, boxes:, _SUPPORT] = support_sizes
+        columns[:, boxes:, _IS_SUPPORT] = 1.0
+        columns[:, :boxes, _IS_TIPPED] = ~upright
+        return _Layout(
+            X_BU,
+            np.concatenate([sizes, support_sizes], axis=1),
+            columns,
+            forward(np.array([c.q[:7] for c in configurations])),
+            np.array([ABSENT if c.held is None else self._number[c.held] for c in configurations]),
         )
-        X_BU[:count] = self._X_BW @ X_BU[:count]
-        X_BU[count:] = self._supports
-        columns = np.zeros((len(self._names), SCHEMA.width))
-        columns[:, _BASE] = _flat(X_BU)
-        columns[:count, _BOX] = sizes
-        columns[count:, _SUPPORT] = self._support_sizes
-        columns[count:, _IS_SUPPORT] = 1.0
-        columns[:count, _IS_TIPPED] = ~upright
-        held = None if c.held is None else self._row[c.held]
-        return _Layout(X_BU, np.vstack([sizes, self._support_sizes]), columns, _forward(c.q[:7]), held)
-
-    def _observe(self, layout: "_Layout", action: Action) -> Observation:
-        box, place = (self._row[name] for name in action.args)
-        picks = action.name == "pick"
-        X_BK = layout.X_BU[box] if picks else layout.top(place)
-        held = layout.held if picks else box
-        special = [box if picks else None, None if picks and held == box else held, place]
-        others = layout.nearest(box, place, without=[row for row in special if row is not None])
-        rows = [*special, *others[: ROWS - len(special)]]
-        present = np.array([row is not None for row in rows])
-        chosen = [row for row in rows if row is not None]
-
-        matrix = np.zeros((ROWS, SCHEMA.width))
-        mask = np.zeros(ROWS, dtype=bool)
-        mask[: len(rows)] = present
-        matrix[mask] = layout.columns[chosen]
-        matrix[mask, _TARGET] = _flat(_inverse(X_BK) @ layout.X_BU[chosen])
-        matrix[mask, np.take(_ROLE, np.minimum(np.flatnonzero(mask), 3))] = 1.0
-        if mask[1]:
-            matrix[1, _HAND] = _flat(_inverse(layout.X_BG) @ layout.X_BU[rows[1]])
-        return Observation((matrix / _SCALES).astype(np.float32), mask)
 
 
 class _Layout(NamedTuple):
-    """All objects of a configuration.
+    """All m objects of n configurations.
 
     Attributes:
-        X_BU: shape (n, 4, 4).
-        sizes: along U's axes, shape (n, 3) [m].
-        columns: what does not depend on the action, not yet scaled, shape (n, D).
-        X_BG: of the hand, shape (4, 4).
-        held: row of the held box.
+        X_BU: shape (n, m, 4, 4).
+        sizes: along U's axes, shape (n, m, 3) [m].
+        columns: what does not depend on the action, not yet scaled, shape (n, m, D).
+        X_BG: of the hand, shape (n, 4, 4).
+        held: number of the held box, shape (n,).
     """
 
     X_BU: FloatArray
     sizes: FloatArray
     columns: FloatArray
     X_BG: FloatArray
-    held: int | None
+    held: Numbers
 
-    def top(self, row: int) -> FloatArray:
-        """X_BT of an object, shape (4, 4)."""
-        X_BT = self.X_BU[row].copy()
-        X_BT[:3, 3] += X_BT[:3, 2] * self.sizes[row, 2] / 2
+    def at(self, numbers: Sequence[int]) -> "_Layout":
+        """Some of the configurations, maybe repeatedly."""
+        X_BU, sizes, columns, X_BG, held = self
+        return _Layout(X_BU[numbers], sizes[numbers], columns[numbers], X_BG[numbers], held[numbers])
+
+    def tops(self, number: Numbers) -> FloatArray:
+        """X_BT of one object of each configuration, shape (n, 4, 4)."""
+        X_BT = self.X_BU[_all(number), number].copy()
+        X_BT[:, :3, 3] += X_BT[:, :3, 2] * self.sizes[_all(number), number, 2:] / 2
         return X_BT
 
-    def nearest(self, box: int, place: int, without: Sequence[int]) -> list[int]:
-        """All but some objects, those first whose surface is nearest to the box's centre or the place's top centre."""
-        p_B = np.stack([self.X_BU[box, :3, 3], self.top(place)[:3, 3]])
-        p_U = np.einsum("nji,nmj->nmi", self.X_BU[:, :3, :3], p_B[None] - self.X_BU[:, None, :3, 3])
-        outside = np.maximum(np.abs(p_U) - self.sizes[:, None] / 2, 0.0)
-        distance = np.sqrt(np.einsum("nmi,nmi->nm", outside, outside)).min(axis=1)
-        order = np.lexsort((*self.X_BU[:, :3, 3].T, distance.round(6)))  # names decide nothing, not even between equals
-        return [int(row) for row in order if row not in without]
+    def rows(self, first: Numbers, box: Numbers, place: Numbers) -> Numbers:
+        """Numbers of the objects in each row, shape (n, 8): the first three as given, then the nearest others.
+
+        An object is as near as its surface is to the box's centre or to the centre of the place's top.
+        """
+        p_B = np.stack([self.X_BU[_all(box), box, :3, 3], self.tops(place)[:, :3, 3]], axis=1)
+        offset = p_B[:, None] - self.X_BU[:, :, None, :3, 3]
+        p_U = np.einsum("nmji,nmkj->nmki", self.X_BU[..., :3, :3], offset)
+        outside = np.maximum(np.abs(p_U) - self.sizes[:, :, None] / 2, 0.0)
+        distance = np.sqrt(np.einsum("nmki,nmki->nmk", outside, outside)).min(axis=2).round(6)
+        option, column = np.nonzero(first != ABSENT)
+        distance[option, first[option, column]] = np.inf
+        order = np.lexsort((*np.moveaxis(self.X_BU[..., :3, 3], 2, 0), distance))  # names decide nothing, not even ties
+        order[np.isinf(np.take_along_axis(distance, order, axis=1))] = ABSENT
+        return np.concatenate([first, order, np.full((len(first), ROWS), ABSENT)], axis=1)[:, :ROWS]
 
 
-def _matrices(poses: FloatArray) -> FloatArray:
-    """Homogeneous matrices, shape (n, 4, 4), of pose arrays, shape (n, 7)."""
-    w, x, y, z = (poses[:, :4] / np.linalg.norm(poses[:, :4], axis=1, keepdims=True)).T
-    X = np.zeros((len(poses), 4, 4))
-    X[:, 0, 0], X[:, 1, 1], X[:, 2, 2] = 1 - 2 * (y * y + z * z), 1 - 2 * (x * x + z * z), 1 - 2 * (x * x + y * y)
-    X[:, 0, 1], X[:, 1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
-    X[:, 0, 2], X[:, 2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
-    X[:, 1, 2], X[:, 2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
-    X[:, :3, 3], X[:, 3, 3] = poses[:, 4:], 1.0
-    return X
+def _observation(layout: _Layout, rows: Numbers, X_BK: FloatArray) -> Observation:
+    mask = rows != ABSENT
+    option, row = np.nonzero(mask)
+    chosen = rows[mask]
+    values = layout.columns[option, chosen]
+    X_BU = layout.X_BU[option, chosen]
+    values[:, _TARGET] = flat(inverse(X_BK)[option] @ X_BU)
+    values[np.arange(len(values)), np.take(_ROLE, np.minimum(row, 3))] = 1.0
+    held = row == 1
+    values[held, _HAND] = flat(inverse(layout.X_BG)[option[held]] @ X_BU[held])
+    matrix = np.zeros((*mask.shape, SCHEMA.width), dtype=np.float32)
+    matrix[mask] = values / _SCALES
+    return Observation(matrix, mask)
 
 
-def _inverse(X: FloatArray) -> FloatArray:
-    inverse = np.eye(4)
-    inverse[:3, :3] = X[:3, :3].T
-    inverse[:3, 3] = -X[:3, :3].T @ X[:3, 3]
-    return inverse
-
-
-def _upright(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """X_WU, the sides along U's axes, and which boxes stand upright: `frames.upright` for many boxes at once."""
-    count = np.arange(len(X_WO))
-    axis = np.argmax(np.abs(X_WO[:, 2, :3]), axis=1)
-    sign = np.where(X_WO[count, 2, axis] > 0, 1.0, -1.0)
-    order = (axis[:, None] + [1, 2, 0]) % 3
-    X_WU = X_WO.copy()
-    X_WU[:, :3, :3] = np.take_along_axis(X_WO[:, :3, :3], order[:, None, :], axis=2)
-    X_WU[:, :3, 1:3] *= sign[:, None, None]
-    return X_WU, np.take_along_axis(sizes, order, axis=1), (axis == 2) & (sign > 0)
-
-
-def _flat(X: FloatArray) -> FloatArray:
-    """Position and first two columns of rotation, shape (..., 4, 4) -> (..., 9)."""
-    return np.concatenate([X[..., :3, 3], X[..., :3, 0], X[..., :3, 1]], axis=-1)
-
-
-def _link(a: float, d: float, alpha: float, angle: float) -> FloatArray:
-    """Rotation by alpha about x, shift by a along x and d along z, rotation by the angle about z."""
-    ca, sa, ct, st = math.cos(alpha), math.sin(alpha), math.cos(angle), math.sin(angle)
-    return np.array([[ct, -st, 0, a], [st * ca, ct * ca, -sa, -d * sa], [st * sa, ct * sa, ca, d * ca], [0, 0, 0, 1.0]])
-
-
-def _forward(q: FloatArray) -> FloatArray:
-    """X_BG at the arm's joint positions, shape (7,) [rad] -> (4, 4)."""
-    X = np.eye(4)
-    for joint, angle in zip(DH_PARAMETERS, q.tolist(), strict=True):
-        X = X @ _link(*joint, angle)
-    return X @ _link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, HAND_ANGLE)
+def _all(numbers: Numbers) -> Numbers:
+    return np.arange(len(numbers))

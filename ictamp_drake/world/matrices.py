@@ -1,0 +1,72 @@
+"""Many poses at once, as homogeneous matrices: the arithmetic of the primitive state matrix, without Drake."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.constants import DH_PARAMETERS, FLANGE_OFFSET, GRASP_OFFSET, HAND_ANGLE
+
+
+def to_matrices(poses: FloatArray) -> FloatArray:
+    """Homogeneous matrices, shape (..., 4, 4), of pose arrays, shape (..., 7)."""
+    w, x, y, z = np.moveaxis(poses[..., :4] / np.linalg.norm(poses[..., :4], axis=-1, keepdims=True), -1, 0)
+    X = np.zeros((*poses.shape[:-1], 4, 4))
+    X[..., 0, 0], X[..., 1, 1], X[..., 2, 2] = 1 - 2 * (y * y + z * z), 1 - 2 * (x * x + z * z), 1 - 2 * (x * x + y * y)
+    X[..., 0, 1], X[..., 1, 0] = 2 * (x * y - w * z), 2 * (x * y + w * z)
+    X[..., 0, 2], X[..., 2, 0] = 2 * (x * z + w * y), 2 * (x * z - w * y)
+    X[..., 1, 2], X[..., 2, 1] = 2 * (y * z - w * x), 2 * (y * z + w * x)
+    X[..., :3, 3], X[..., 3, 3] = poses[..., 4:], 1.0
+    return X
+
+
+def inverse(X: FloatArray) -> FloatArray:
+    """Of homogeneous matrices, shape (n, 4, 4)."""
+    X_inverse = np.zeros_like(X)
+    X_inverse[:, :3, :3] = X[:, :3, :3].transpose(0, 2, 1)
+    X_inverse[:, :3, 3] = -np.einsum("nji,nj->ni", X[:, :3, :3], X[:, :3, 3])
+    X_inverse[:, 3, 3] = 1.0
+    return X_inverse
+
+
+def all_upright(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """X_WU, the sides along U's axes, and which boxes stand upright: `frames.upright` for many boxes at once.
+
+    Args:
+        X_WO: shape (n, m, 4, 4).
+        sizes: of the m boxes, shape (m, 3) [m].
+    """
+    axis = np.argmax(np.abs(X_WO[..., 2, :3]), axis=-1)
+    sign = np.where(np.take_along_axis(X_WO[..., 2, :3], axis[..., None], axis=-1) > 0, 1.0, -1.0)
+    order = (axis[..., None] + [1, 2, 0]) % 3
+    X_WU = X_WO.copy()
+    X_WU[..., :3, :3] = np.take_along_axis(X_WO[..., :3, :3], order[..., None, :], axis=-1)
+    X_WU[..., :3, 1:3] *= sign[..., None]
+    return (
+        X_WU,
+        np.take_along_axis(np.broadcast_to(sizes, order.shape), order, axis=-1),
+        (axis == 2) & (sign[..., 0] > 0),
+    )
+
+
+def flat(X: FloatArray) -> FloatArray:
+    """Position and first two columns of rotation, shape (..., 4, 4) -> (..., 9)."""
+    return np.concatenate([X[..., :3, 3], X[..., :3, 0], X[..., :3, 1]], axis=-1)
+
+
+def _link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:
+    """Rotation by alpha about x, shift by a along x and d along z, rotation by angles about z: (n,) -> (n, 4, 4)."""
+    X = np.zeros((len(angle), 4, 4))
+    c, s, ca, sa = np.cos(angle), np.sin(angle), np.cos(alpha), np.sin(alpha)
+    X[:, 0, 0], X[:, 0, 1] = c, -s
+    X[:, 1, 0], X[:, 1, 1], X[:, 1, 2] = s * ca, c * ca, -sa
+    X[:, 2, 0], X[:, 2, 1], X[:, 2, 2] = s * sa, c * sa, ca
+    X[:, :, 3] = a, -d * sa, d * ca, 1.0
+    return X
+
+
+def forward(q: FloatArray) -> FloatArray:
+    """X_BG at the arm's joint positions, shape (n, 7) [rad] -> (n, 4, 4)."""
+    X_BG = np.eye(4)
+    for joint, angle in zip(DH_PARAMETERS, q.T, strict=True):
+        X_BG = X_BG @ _link(*joint, angle)
+    return X_BG @ _link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE]))
