@@ -55,12 +55,15 @@ def training_scene(number: int, seed: int = 0) -> SceneSpec:
 def _supports(rng: np.random.Generator) -> dict[str, SupportSpec]:
     """A table, and on it mostly a rack, sometimes a block or two of them."""
     supports, taken = {"table": SUPPORTS["table"]}, list[_Circle]()
-    for number in range(rng.choice(3, p=[0.1, 0.6, 0.3])):
+    for number in range(rng.choice(3, p=[0.15, 0.55, 0.3])):
         rack = rng.random() < 0.75
         height = round(rng.uniform(0.06, 0.28) if rack else rng.uniform(0.02, 0.08), 3)
         size = (round(rng.uniform(0.14, 0.3), 3), round(rng.uniform(0.14, 0.34), 3), height)
-        here = _Circle(_polar(rng.uniform(0.33, 0.6), rng), math.hypot(*size[:2]) / 2)
-        if math.hypot(*here.spot) > here.radius + 0.15 and not _crowds(here, taken):
+        radius = math.hypot(*size[:2]) / 2
+        spots = (_polar(rng.uniform(radius + 0.15, 0.6), rng) for _ in range(_TRIES))
+        on_table = (_Circle(spot, radius) for spot in spots if min(_margins(spot, SUPPORTS["table"])) >= 0.7 * radius)
+        here = next((circle for circle in on_table if not _crowds(circle, taken)), None)
+        if here is not None:
             taken.append(here)
             name = f"{'rack' if rack else 'block'}_{number}"
             supports[name] = SupportSpec("rack" if rack else "table", (*here.spot, height), _turn(rng), size)
