@@ -24,8 +24,8 @@ class ConstantConfig:
         if not 0 <= self.P <= 1:
             raise IctampError(f"P of the constant estimator is {self.P}, but must lie between 0 and 1.")
 
-    def create(self) -> "Constant":
-        """The estimator."""
+    def create(self, world: object = None) -> "Constant":  # noqa: ARG002  (the same for all estimators)
+        """The estimator, the same in every scene."""
         return Constant(self.P)
 
 

@@ -12,10 +12,13 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.p_score import PScoreConfig
+from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.scenes.checks import check_choice, check_range
 from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.skills.runner import SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
@@ -27,6 +30,7 @@ from ictamp_drake.world.simulate import PhysicsConfig
 class Samplers:
     """Sources of the skill parameter k."""
 
+    policy: PolicyConfig = PolicyConfig()
     optimisation: OptimisationConfig = OptimisationConfig()
     uniform: UniformConfig = UniformConfig()
 
@@ -35,6 +39,8 @@ class Samplers:
 class Estimators:
     """Sources of P, the estimated probability that a step succeeds."""
 
+    p_score: PScoreConfig = PScoreConfig()
+    q_value: QValueConfig = QValueConfig()
     constant: ConstantConfig = ConstantConfig()
 
 
@@ -112,6 +118,8 @@ class Method:
         check_range("time-limit", self.time_limit, 0, 1e6, " s")
         check_range("max-steps", self.max_steps or 0, 0, 1e9)
         check_range("seed", self.seed, 0, 2**63 - 1)
+        for field in ("sampler", "estimator", "generator"):  # both ways of writing a name
+            object.__setattr__(self, field, getattr(self, field).replace("_", "-"))
         check_choice("sampler", self.sampler, choices(Samplers))
         check_choice("estimator", self.estimator, choices(Estimators))
         check_choice("generator", self.generator, choices(Generators))

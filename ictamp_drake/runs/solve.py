@@ -95,7 +95,7 @@ def solve(
         abstraction=task.abstraction,
         generator=plans.create(task.domain, task.abstraction(task.c), task.goal),
         skills=method.skills.create(task.world, task.abstraction, task.physics, sampler),
-        estimator=chosen(method.estimators, method.estimator).create(),
+        estimator=chosen(method.estimators, method.estimator).create(task.world),
         verify=verifier,
         rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
         listeners=listeners,

@@ -14,6 +14,7 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
             *("--planner.rule.W", "7", "--samplers.optimisation.restarts", "3", "--physics.time-step", "0.002"),
             *("--skills.pick.force", "20", "--generators.best-first.weight", "1.5", "--predicates.tilt", "0.2"),
             *("--estimators.constant.P", "0.5", "--skills.motion.padding", "0.01"),
+            *("--samplers.policy.candidates", "1", "--estimators.q-value.draws", "8"),
         ],
     )
     assert method.planner.rule.W == 7
@@ -24,6 +25,8 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
     assert method.generators.best_first.weight == 1.5
     assert method.predicates.tilt == 0.2
     assert method.estimators.constant.P == 0.5
+    assert method.samplers.policy.candidates == 1
+    assert method.estimators.q_value.draws == 8
 
 
 def test_without_options_the_command_line_gives_the_defaults() -> None:
@@ -47,6 +50,12 @@ def test_the_defaults_are_among_the_choices() -> None:
     assert method.generator in choices(Generators)
 
 
+def test_names_can_be_written_both_ways() -> None:
+    method = tyro.cli(Method, args=["--estimator", "p_score", "--generator", "best-first", "--sampler", "policy"])
+    assert (method.estimator, method.generator, method.sampler) == ("p-score", "best-first", "policy")
+    assert Method(estimator="p_score") == Method(estimator="p-score")
+
+
 @pytest.mark.parametrize(("elapsed", "left"), [(0.0, 10.0), (4.0, 6.0), (12.0, 0.0)])
 def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) -> None:
     method = Method(time_limit=10.0, max_steps=5)
@@ -64,7 +73,7 @@ def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) 
         lambda: Method(seed=-1),
         lambda: Method(sampler="best_first"),
         lambda: Method(estimator=""),
-        lambda: Method(generator="breadth_first"),
+        lambda: Method(generator="depth-first"),
         lambda: Conduct(workers=0),
         lambda: Conduct(grace=-1.0),
     ],

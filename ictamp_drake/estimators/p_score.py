@@ -1,0 +1,61 @@
+"""P(c, a), learned from outcomes: a calibrated ensemble over the primitive state matrix (paper, Success Prediction)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.estimators.learned import SKILLS, Option, by_skill
+from ictamp_drake.learning.checkpoint import SHIPPED
+from ictamp_drake.world.observation import Observer
+from ictamp_drake.world.world import World
+
+if TYPE_CHECKING:
+    from ictamp_drake.learning.models import EstimatorModel
+
+
+@dataclass(frozen=True)
+class PScoreConfig:
+    """Configuration of the learned estimator.
+
+    Attributes:
+        checkpoints: folder of the trained estimators, by default that of the package.
+    """
+
+    checkpoints: Path | None = None
+
+    def create(self, world: World) -> "PScore":
+        """The estimator for one scene.
+
+        Raises:
+            IctampError: a checkpoint is missing, damaged or of something else.
+        """
+        from ictamp_drake.learning.models import load_estimator  # noqa: PLC0415  (torch takes long to load)
+
+        folder = self.checkpoints or SHIPPED
+        return PScore(Observer(world.spec), {skill: load_estimator(folder, skill) for skill in SKILLS})
+
+
+class Beliefs(NamedTuple):
+    """P and its uncertainty, mean and standard deviation over the ensemble, each of shape (n,)."""
+
+    P: FloatArray
+    std: FloatArray
+
+
+class PScore:
+    """The mean of an ensemble, all options of a skill in one call."""
+
+    def __init__(self, observer: Observer, models: Mapping[str, "EstimatorModel"]) -> None:
+        self._observer = observer
+        self._models = models
+
+    def estimate(self, options: Sequence[Option]) -> FloatArray:
+        """P of each option, shape (n,)."""
+        return self.beliefs(options).P
+
+    def beliefs(self, options: Sequence[Option]) -> Beliefs:
+        """P of each option, and how far the members of the ensemble disagree about it."""
+        P, std = by_skill(self._observer, options, lambda skill, seen: self._models[skill].believe(seen), numbers=2)
+        return Beliefs(P, std)

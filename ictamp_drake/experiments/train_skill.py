@@ -1,0 +1,79 @@
+"""Train the policy and the critics of each skill, alone, from recorded attempts.
+
+`python -m ictamp_drake.experiments.train_skill --data data/attempts --out runs/skills`
+"""
+
+import sys
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ictamp_drake.experiments.trainer import SKILLS, Course, main
+from ictamp_drake.learning.checkpoint import Checkpoint
+from ictamp_drake.learning.classifier import Classifier
+from ictamp_drake.learning.evaluation import calibrate, judged
+from ictamp_drake.learning.models import SkillModel, arrays_of
+from ictamp_drake.learning.networks import NetworkConfig
+from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining
+from ictamp_drake.learning.training import FitConfig
+from ictamp_drake.world.observation import Observation
+
+
+@dataclass(frozen=True)
+class TrainSkill:
+    """Train Q(matrix, k), and then the policy that is drawn from.
+
+    The actor-critic of STAP (off-line, critics first): `--critic.kind flat --critic.members 2 --critic.width 256
+    --policy.network.kind squashed --policy.network.network.kind flat --policy.network.network.width 256
+    --policy.imitation 0 --policy.temperature 0.1 --policy.entropy -4 --fit.rate 1e-4`.
+
+    Attributes:
+        data: folder of recorded attempts.
+        out: folder of the run, by default a new one in runs/; naming that of an interrupted run continues it.
+        skills: to train, one after the other.
+        sampler: learn only from attempts whose k came from there; from all by default.
+        critic: networks of Q.
+        policy: π.
+        fit: how both are trained.
+    """
+
+    data: Path
+    out: Path | None = None
+    skills: tuple[str, ...] = SKILLS
+    sampler: str | None = None
+    critic: NetworkConfig = NetworkConfig()
+    policy: PolicyTraining = PolicyTraining()
+    fit: FitConfig = FitConfig()
+
+
+def train(options: TrainSkill, course: Course) -> bool:
+    """Train one skill and write its checkpoint; False when it was interrupted."""
+    critic = Classifier(course.skill, options.critic, sees_k=True)
+    if not course.fit("critic", Classification(critic), options.fit, bootstraps=options.critic.members):
+        return False
+    calibrate(critic, course.parts.validation)
+    improvement = Improvement(options.policy, critic)
+    complete = course.fit("policy", improvement, options.fit)
+    model = SkillModel(improvement.policy, critic)
+    Checkpoint(
+        kind="policy",
+        skill=course.skill,
+        arrays={**arrays_of(improvement.policy, "policy."), **arrays_of(critic, "critic.")},
+        network={"policy": asdict(options.policy.network), "critic": asdict(options.critic)},
+        provenance=course.about,
+        metrics={**judged(critic, course.parts.test), **promised(model, course)},
+    ).save(course.folder)
+    return complete
+
+
+def promised(model: SkillModel, course: Course, count: int = 16) -> dict[str, float]:
+    """Mean Q in test scenes of one draw, and of the best of several; what the critics say, not what physics does."""
+    test = course.parts.test
+    observation = Observation(test.matrix.numpy(), test.mask.numpy())
+    Q = model.Q(observation, model.draw(observation, count, np.random.default_rng(0)))
+    return {"Q_of_one_draw": float(Q.mean()), f"Q_of_best_of_{count}": float(Q.max(axis=1).mean())}
+
+
+if __name__ == "__main__":
+    sys.exit(main("ictamp_drake.experiments.train_skill", TrainSkill, train))

@@ -1,0 +1,156 @@
+"""The frame of the training programs: command line, run folder, progress, checkpoint, exit code."""
+
+import dataclasses
+import json
+import shlex
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.learning.batches import Split, split
+from ictamp_drake.learning.dataset import Attempts, fingerprint, load
+from ictamp_drake.learning.objectives import Objective
+from ictamp_drake.learning.training import Data, Figures, Fit, FitConfig, start
+from ictamp_drake.runs.folder import RUNS
+from ictamp_drake.runs.program import BAD_INPUT, COMPLETE, INTERRUPTED
+from ictamp_drake.runs.provenance import provenance
+from ictamp_drake.scenes.checks import check_choice
+
+SKILLS = ("pick", "place")
+
+
+class Options(Protocol):
+    """What the options of every training program have."""
+
+    @property
+    def data(self) -> Path:
+        """Folder of recorded attempts."""
+
+    @property
+    def out(self) -> Path | None:
+        """Run folder."""
+
+    @property
+    def skills(self) -> tuple[str, ...]:
+        """Skills to train."""
+
+    @property
+    def sampler(self) -> str | None:
+        """Where k must come from."""
+
+    @property
+    def fit(self) -> FitConfig:
+        """How networks are trained."""
+
+
+T = TypeVar("T", bound=Options)
+
+
+@dataclass(frozen=True)
+class Course:
+    """The training of one skill.
+
+    Attributes:
+        skill: pick or place.
+        parts: its attempts.
+        folder: of the run; the checkpoint goes there.
+        about: provenance for the checkpoint.
+        progress: shows epochs.
+    """
+
+    skill: str
+    parts: Split
+    folder: Path
+    about: Mapping[str, Any]
+    progress: Progress
+
+    def fit(self, name: str, objective: Objective, config: FitConfig, bootstraps: int = 1) -> bool:
+        """Train to the end; False when Ctrl-C came before.
+
+        Args:
+            name: of the part that is trained, which has a folder of its own.
+            objective: what is minimised.
+            config: how.
+            bootstraps: members of an ensemble, each of which sees a sample of its own; 1 for no sampling.
+        """
+        training = self.parts.training
+        if bootstraps > 1:
+            training = training.bootstrapped(bootstraps, generator(Stream.TRAINING, config.seed, bootstraps))
+        data = Data(training, self.parts.validation)
+        purpose = {key: self.about[key] for key in ("options", "data")}
+        fit = Fit(objective, data, config, folder=self.folder / self.skill / name, purpose=purpose)
+        task = self.progress.add_task(f"{self.skill} {name}", total=config.epochs)
+
+        def report(figures: Figures) -> None:
+            best = fit.history[fit.best_epoch]
+            sentence = f"{self.skill} {name}: loss {figures['loss']:.4f}, best {best['loss']:.4f} ({best['epoch']:.0f})"
+            self.progress.update(task, completed=len(fit.history), description=sentence)
+
+        complete = fit.run(report)
+        self.progress.update(task, completed=len(fit.history), total=len(fit.history))
+        return complete
+
+
+def main(
+    name: str, options: type[T], train: Callable[[T, Course], bool], arguments: Sequence[str] | None = None
+) -> int:
+    """Run a training program and return its exit code.
+
+    Args:
+        name: of its module.
+        options: dataclass that its command line is derived from.
+        train: trains one skill and writes its checkpoint; False when it was interrupted.
+        arguments: command line, that of the process by default.
+    """
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    chosen = tyro.cli(options, prog=f"python -m {name}", args=given, config=(tyro.conf.FlagCreatePairsOff,))
+    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
+    folder = chosen.out or RUNS / f"{name.rpartition('.')[2]}-{datetime.now():%Y%m%d-%H%M%S}"
+    command = shlex.join(["python", "-m", name, *given])
+    try:
+        for skill in chosen.skills:
+            check_choice("skills", skill, SKILLS)
+            console.print(f"{folder}: training {skill}", soft_wrap=True)
+            parts, about = _prepared(chosen, skill, command)
+            with _progress(console) as progress:
+                complete = train(chosen, Course(skill, parts, folder, about, progress))
+            if not complete:
+                console.print(f"Interrupted; the same command with --out {folder} goes on.", soft_wrap=True)
+                return INTERRUPTED
+    except IctampError as error:
+        print(error, file=sys.stderr)
+        return BAD_INPUT
+    console.print(f"Checkpoints: {folder}", soft_wrap=True)
+    return COMPLETE
+
+
+def _prepared(options: Options, skill: str, command: str) -> tuple[Split, dict[str, Any]]:
+    """The attempts at a skill, and where what is learned from them comes from."""
+    attempts = _selected(load(options.data, skill), options.sampler)
+    start(options.fit.seed)
+    plain = json.loads(json.dumps(dataclasses.asdict(options), default=str))  # type: ignore[call-overload]
+    kept = {key: value for key, value in plain.items() if key not in ("data", "out", "skills")}
+    about = {
+        "command": command,
+        "options": kept,
+        "data": {"fingerprint": fingerprint(options.data), "attempts": len(attempts)},
+        **{key: value for key, value in provenance().items() if key != "host"},
+    }
+    return split(attempts), about
+
+
+def _selected(attempts: Attempts, sampler: str | None) -> Attempts:
+    return attempts if sampler is None else attempts.chosen(attempts.sampler == sampler)
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn(), console=console)

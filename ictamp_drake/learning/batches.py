@@ -1,0 +1,86 @@
+"""Recorded attempts as tensors, split by scene."""
+
+from dataclasses import dataclass, fields
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.learning.dataset import Attempts
+
+VALIDATION, TEST = 0.1, 0.1
+"""Shares of the scenes."""
+_GOLDEN = 0.6180339887498949
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """n attempts at one skill.
+
+    Attributes:
+        matrix: shape (n, 8, D).
+        mask: shape (n, 8).
+        k: shape (n, 4).
+        success: 0 or 1, shape (n,).
+        weight: of each attempt for each member of an ensemble, shape (n, members).
+    """
+
+    matrix: Tensor
+    mask: Tensor
+    k: Tensor
+    success: Tensor
+    weight: Tensor
+
+    def __len__(self) -> int:
+        return len(self.k)
+
+    def rows(self, chosen: Tensor) -> "Batch":
+        """Some of the attempts."""
+        return Batch(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+
+    def bootstrapped(self, members: int, rng: np.random.Generator) -> "Batch":
+        """Each member of an ensemble sees a sample of its own, drawn with replacement (Poisson's approximation)."""
+        weight = torch.from_numpy(rng.poisson(1.0, (len(self), members)).astype(np.float32))
+        return Batch(self.matrix, self.mask, self.k, self.success, weight)
+
+
+class Split(NamedTuple):
+    """Attempts to learn from, to stop early and calibrate by, and to test with; no scene is in two of them."""
+
+    training: Batch
+    validation: Batch
+    test: Batch
+
+
+def split(attempts: Attempts) -> Split:
+    """Split by the number of the scene alone: a scene is where it is, whatever else was collected.
+
+    Raises:
+        IctampError: a part has no successes or no failures.
+    """
+    place = attempts.scene * _GOLDEN % 1.0  # spread evenly, unlike the kinds of scenes
+    bounds = {
+        "training": (0, 1 - VALIDATION - TEST),
+        "validation": (1 - VALIDATION - TEST, 1 - TEST),
+        "test": (1 - TEST, 1),
+    }
+    parts = {}
+    for name, (low, high) in bounds.items():
+        part = attempts.chosen((place >= low) & (place < high))
+        wins = int(part.success.sum())
+        if wins in (0, len(part)):
+            raise IctampError(
+                f"there are too few recorded attempts: of {len(part)} in the {name} scenes {wins} succeeded, "
+                f"but both successes and failures are needed; collect more"
+            )
+        parts[name] = batch(part)
+    return Split(**parts)
+
+
+def batch(attempts: Attempts) -> Batch:
+    """All attempts with equal weights."""
+    success = torch.from_numpy(attempts.success.astype(np.float32))
+    matrix, mask, k = (torch.from_numpy(array) for array in (attempts.matrix, attempts.mask, attempts.k))
+    return Batch(matrix, mask, k, success, torch.ones(len(attempts), 1))

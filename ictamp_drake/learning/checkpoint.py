@@ -1,0 +1,110 @@
+"""Files of what was learned: safetensors, and as metadata, in JSON, all that explains the numbers. Knows no torch."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save_file
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.world.observation import SCHEMA
+
+SHIPPED = Path(__file__).parent / "checkpoints"
+"""Folder of the checkpoints that come with the package."""
+
+_METADATA = "ictamp_drake"
+Kind = Literal["policy", "estimator"]
+Arrays = Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """What was learned for one skill.
+
+    Attributes:
+        kind: policy, with the critics that it was trained on, or estimator of P.
+        skill: pick or place.
+        arrays: the numbers.
+        network: configuration of the networks.
+        provenance: command, fingerprint of the attempts, commit, and the like.
+        metrics: on held-out scenes.
+    """
+
+    kind: Kind
+    skill: str
+    arrays: Arrays
+    network: Mapping[str, Any]
+    provenance: Mapping[str, Any]
+    metrics: Mapping[str, float]
+
+    def save(self, folder: Path) -> Path:
+        """Write to a folder under the name by which it is found there."""
+        folder.mkdir(parents=True, exist_ok=True)
+        metadata = {name: getattr(self, name) for name in ("kind", "skill", "network", "provenance", "metrics")}
+        path = folder / name_of(self.kind, self.skill)
+        write(path, self.arrays, {**metadata, "schema": SCHEMA.as_dict()})
+        return path
+
+
+def name_of(kind: Kind, skill: str) -> str:
+    """Name of a checkpoint's file."""
+    return f"{skill}_{kind}.safetensors"
+
+
+def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
+    """The checkpoint of a skill in a folder.
+
+    Raises:
+        IctampError: the file is missing or damaged, holds something else, or was trained on another state matrix.
+    """
+    path = folder / name_of(kind, skill)
+    if not path.is_file():
+        program = "train_skill" if kind == "policy" else "train_estimator"
+        raise IctampError(
+            f"{path}: there is no such checkpoint; train one with experiments.{program} or name its folder"
+        )
+    arrays, metadata = read(path)
+    names = {"kind", "skill", "network", "provenance", "metrics", "schema"}
+    if not names <= metadata.keys():
+        missing = ", ".join(sorted(names - metadata.keys()))
+        raise IctampError(f"{path}: is not a checkpoint of this package, since its metadata has no {missing}")
+    found, wanted = f"{metadata['kind']} of {metadata['skill']}", f"{kind} of {skill}"
+    if found != wanted:
+        raise IctampError(f"{path}: holds the {found}, but must hold the {wanted}")
+    schema = metadata.pop("schema")
+    if schema != json.loads(json.dumps(SCHEMA.as_dict())):
+        raise IctampError(
+            f"{path}: was trained on state matrices of version {schema['version']}, but this package makes version "
+            f"{SCHEMA.version}, whose columns differ; train it again"
+        )
+    return Checkpoint(arrays=arrays, **{name: metadata[name] for name in names - {"schema"}})
+
+
+def write(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> None:
+    """Write arrays, and metadata as JSON, to a file that appears whole or not at all."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    text = json.dumps(metadata)  # in one piece, since the order of several is different every time
+    save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, {_METADATA: text})
+    temporary.chmod(0o644)
+    temporary.replace(path)
+
+
+def read(path: Path) -> tuple[Arrays, dict[str, Any]]:
+    """Arrays and metadata of a file.
+
+    Raises:
+        IctampError: the file is damaged.
+    """
+    try:
+        with safe_open(path, framework="np") as file:
+            text = (file.metadata() or {}).get(_METADATA, "{}")
+            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (not a dict)
+        return arrays, json.loads(text)
+    except (SafetensorError, OSError, ValueError) as error:
+        raise IctampError(f"{path}: cannot be read as a safetensors file, it may be damaged ({error})") from error

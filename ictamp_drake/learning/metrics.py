@@ -1,0 +1,50 @@
+"""How good probabilities are, and Platt's calibration."""
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import expit
+from sklearn.metrics import brier_score_loss, log_loss, roc_auc_score  # type: ignore[import-untyped]
+
+from ictamp_drake.core.types import FloatArray
+
+BINS = 15
+
+
+def metrics(P: FloatArray, success: FloatArray) -> dict[str, float]:
+    """Of probabilities against outcomes of 0 and 1, both of shape (n,).
+
+    Returns:
+        Count n and base rate; AUC; Brier score and its skill, 1 - Brier / Brier of the base rate; ECE; log loss.
+    """
+    rate, brier = float(success.mean()), float(brier_score_loss(success, P))
+    return {
+        "count": float(len(P)),
+        "base_rate": rate,
+        "auc": float(roc_auc_score(success, P)),
+        "brier": brier,
+        "brier_skill": 1 - brier / (rate * (1 - rate)),
+        "ece": calibration_error(P, success),
+        "log_loss": float(log_loss(success, np.clip(P, 1e-7, 1 - 1e-7))),
+    }
+
+
+def calibration_error(P: FloatArray, success: FloatArray) -> float:
+    """ECE: mean distance of probability and frequency over bins with equally many attempts."""
+    parts = np.array_split(np.argsort(P, kind="stable"), min(BINS, len(P)))
+    return float(sum(len(part) * abs(P[part].mean() - success[part].mean()) for part in parts) / len(P))
+
+
+def platt(logits: FloatArray, success: FloatArray) -> tuple[float, float]:
+    """Slope and offset with which the mean over members of sigmoid(slope * logit + offset) is most likely.
+
+    Args:
+        logits: shape (members, n).
+        success: 0 or 1, shape (n,).
+    """
+
+    def cost(numbers: FloatArray) -> float:
+        P = np.clip(expit(np.exp(numbers[0]) * logits + numbers[1]).mean(axis=0), 1e-7, 1 - 1e-7)
+        return -float(np.mean(success * np.log(P) + (1 - success) * np.log1p(-P)))
+
+    slope, offset = minimize(cost, np.zeros(2), bounds=[(-3, 3), (-5, 5)]).x
+    return float(np.exp(slope)), float(offset)

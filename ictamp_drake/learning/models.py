@@ -1,0 +1,123 @@
+"""Trained networks from their checkpoints, ready for use."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.learning.checkpoint import Arrays, load, name_of
+from ictamp_drake.learning.classifier import Classifier
+from ictamp_drake.learning.networks import NetworkConfig
+from ictamp_drake.learning.parameters import parameter
+from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
+from ictamp_drake.world.observation import Observation
+
+Module = TypeVar("Module", bound=nn.Module)
+
+
+@dataclass(frozen=True, eq=False)
+class SkillModel:
+    """What was learned of one skill: the policy π(k | matrix) and the critics Q(matrix, k)."""
+
+    policy: Policy
+    critic: Classifier
+
+    def draw(self, observation: Observation, count: int, rng: np.random.Generator) -> FloatArray:
+        """So many k for each of n situations, shape (n, count, 4)."""
+        matrix, mask = tensors(observation)
+        noise = torch.Generator().manual_seed(int(rng.integers(2**63)))
+        with torch.inference_mode():
+            k = parameter(self.critic.skill, matrix, self.policy.draw(matrix, mask, count, noise))
+        return k.numpy().astype(np.float64)
+
+    def Q(self, observation: Observation, k: FloatArray) -> FloatArray:
+        """Estimated success of each k, shape (n, m, 4) -> (n, m)."""
+        with torch.inference_mode():
+            belief = self.critic.beliefs(*tensors(observation), torch.from_numpy(k.astype(np.float32)))
+        return belief.mean.numpy().astype(np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatorModel:
+    """What was learned of the success of one skill: P(matrix)."""
+
+    classifier: Classifier
+
+    def believe(self, observation: Observation) -> FloatArray:
+        """P of n situations and the disagreement of the ensemble's members, shape (2, n)."""
+        with torch.inference_mode():
+            belief = self.classifier.belief(*tensors(observation))
+        return torch.stack(belief).numpy().astype(np.float64)
+
+
+def tensors(observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
+    """Matrix and mask for the networks."""
+    return torch.from_numpy(observation.matrix), torch.from_numpy(observation.mask)
+
+
+def load_skill(folder: Path, skill: str) -> SkillModel:
+    """The trained policy of a skill.
+
+    Raises:
+        IctampError: see `checkpoint.load`.
+    """
+    torch.set_num_threads(1)  # small networks are fastest so
+    found = load(folder, "policy", skill)
+    path = folder / name_of("policy", skill)
+    with _described(path):
+        policy = policy_network(found.network["policy"]).create()
+        critic = Classifier(skill, NetworkConfig(**found.network["critic"]), sees_k=True)
+    return SkillModel(_filled(policy, found.arrays, "policy.", path), _filled(critic, found.arrays, "critic.", path))
+
+
+def load_estimator(folder: Path, skill: str) -> EstimatorModel:
+    """The trained estimator of P of a skill.
+
+    Raises:
+        IctampError: see `checkpoint.load`.
+    """
+    torch.set_num_threads(1)
+    found = load(folder, "estimator", skill)
+    path = folder / name_of("estimator", skill)
+    with _described(path):
+        estimator = Classifier(skill, NetworkConfig(**found.network), sees_k=False)
+    return EstimatorModel(_filled(estimator, found.arrays, "", path))
+
+
+def policy_network(values: Mapping[str, Any]) -> PolicyNetworkConfig:
+    """The configuration as it was before it became JSON."""
+    return PolicyNetworkConfig(**{**values, "network": NetworkConfig(**values["network"])})
+
+
+def arrays_of(module: nn.Module, prefix: str = "") -> dict[str, NDArray[Any]]:
+    """The numbers of a network, for a checkpoint."""
+    return {prefix + name: tensor.numpy() for name, tensor in module.state_dict().items()}
+
+
+@contextmanager
+def _described(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (KeyError, TypeError) as error:
+        raise IctampError(f"{path}: does not describe networks of this package ({error})") from error
+
+
+def _filled(module: Module, arrays: Arrays, prefix: str, path: Path) -> Module:
+    state = {
+        name.removeprefix(prefix): torch.from_numpy(array) for name, array in arrays.items() if name.startswith(prefix)
+    }
+    try:
+        module.load_state_dict(state)
+    except RuntimeError as error:
+        raise IctampError(
+            f"{path}: its numbers do not fit the networks that it describes, it may be damaged"
+        ) from error
+    return module.eval()

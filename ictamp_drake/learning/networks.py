@@ -1,0 +1,102 @@
+"""Networks over the primitive state matrix; every layer holds one set of weights for each member of an ensemble."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import relu
+
+from ictamp_drake.world.observation import ROWS
+
+ROLES = 3
+"""The first rows of a matrix, each of which has a role of its own; the rows after them are a set."""
+
+
+@dataclass(frozen=True)
+class NetworkConfig:
+    """Size of a network.
+
+    Attributes:
+        kind: set, which reads the rows without a role as a set; flat, which reads the matrix as one long vector, as the
+            networks of STAP do.
+        members: networks in the ensemble.
+        width: of the hidden layers.
+    """
+
+    kind: Literal["set", "flat"] = "set"
+    members: int = 5
+    width: int = 80
+
+    def create(self, columns: int, extra: int, outputs: int) -> "SetNetwork | FlatNetwork":
+        """A network for matrices of so many columns and vectors of so many extra numbers."""
+        network = SetNetwork if self.kind == "set" else FlatNetwork
+        return network(self.members, columns, extra, self.width, outputs)
+
+
+class Linear(nn.Module):
+    """One linear layer for each member of an ensemble, (members or 1, n, inputs) -> (members, n, outputs)."""
+
+    def __init__(self, members: int, inputs: int, outputs: int) -> None:
+        super().__init__()
+        bound = inputs**-0.5
+        self.weight = nn.Parameter(torch.empty(members, inputs, outputs).uniform_(-bound, bound))
+        self.bias = nn.Parameter(torch.zeros(members, 1, outputs))
+
+    def forward(self, x: Tensor) -> Tensor:
+        """The layer's outputs."""
+        return torch.baddbmm(self.bias, x.expand(len(self.weight), -1, -1), self.weight)
+
+
+class SetNetwork(nn.Module):
+    """Rows with a role are read side by side, the others as a set, each in the light of the rows with a role.
+
+    The order of the other rows makes no difference, and what stands in absent rows neither: they are masked.
+    """
+
+    def __init__(self, members: int, columns: int, extra: int, width: int, outputs: int) -> None:
+        super().__init__()
+        self.role_1 = Linear(members, ROLES * (columns + 1) + extra, width)
+        self.role_2 = Linear(members, width, width)
+        self.other_1 = Linear(members, columns, width)
+        self.light = Linear(members, width, width)
+        self.other_2 = Linear(members, width, width)
+        self.head_1 = Linear(members, 3 * width, width)
+        self.head_2 = Linear(members, width, outputs)
+
+    def forward(self, rows: Tensor, mask: Tensor, extra: Tensor) -> Tensor:
+        """Outputs of all members.
+
+        Args:
+            rows: shape (n, 8, columns).
+            mask: True where a row holds an object, shape (n, 8).
+            extra: shape (n, extra).
+
+        Returns:
+            Shape (members, n, outputs).
+        """
+        count, present = len(rows), mask.to(rows.dtype)
+        rows = rows * present[..., None]
+        roles = torch.cat([rows[:, :ROLES].flatten(1), present[:, :ROLES], extra], dim=1)
+        role = relu(self.role_2(relu(self.role_1(roles[None]))))
+        members, width = len(role), role.shape[-1]
+        others = self.other_1(rows[:, ROLES:].flatten(0, 1)[None]).reshape(members, count, -1, width)
+        others = relu(others + self.light(role)[:, :, None])
+        others = relu(self.other_2(others.flatten(1, 2))).reshape_as(others) * present[:, ROLES:, None]
+        pooled = torch.cat([role, others.amax(dim=2), others.mean(dim=2)], dim=-1)
+        return self.head_2(relu(self.head_1(pooled)))
+
+
+class FlatNetwork(nn.Module):
+    """Two hidden layers over the flattened matrix, the network of STAP's actors and critics."""
+
+    def __init__(self, members: int, columns: int, extra: int, width: int, outputs: int) -> None:
+        super().__init__()
+        self.layer_1 = Linear(members, ROWS * columns + extra, width)
+        self.layer_2 = Linear(members, width, width)
+        self.head = Linear(members, width, outputs)
+
+    def forward(self, rows: Tensor, mask: Tensor, extra: Tensor) -> Tensor:
+        """Outputs of all members, see `SetNetwork.forward`."""
+        flat = (rows * mask.to(rows.dtype)[..., None]).flatten(1)
+        return self.head(relu(self.layer_2(relu(self.layer_1(torch.cat([flat, extra], dim=1)[None])))))

@@ -1,0 +1,118 @@
+"""What is minimised: the cross entropy of a classifier, and the loss of a policy."""
+
+import copy
+from dataclasses import dataclass
+from typing import Protocol
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import binary_cross_entropy_with_logits as cross_entropy
+
+from ictamp_drake.learning.batches import Batch
+from ictamp_drake.learning.classifier import Classifier
+from ictamp_drake.learning.parameters import normalised, parameter
+from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
+
+
+class Objective(Protocol):
+    """What a training run minimises."""
+
+    @property
+    def module(self) -> nn.Module:
+        """All that is trained."""
+
+    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
+        """What the gradient is taken of, a scalar."""
+
+    def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
+        """Figures on held-out attempts; the least `loss` is best."""
+
+
+class Classification:
+    """Cross entropy of the outcomes, each member of the ensemble for itself."""
+
+    def __init__(self, classifier: Classifier) -> None:
+        self.module = classifier
+
+    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:  # noqa: ARG002  (nothing is random)
+        """Mean over members and attempts, weighted."""
+        logits = self.module(batch.matrix, batch.mask, batch.k)
+        return cross_entropy(logits, batch.success.expand_as(logits), weight=batch.weight.T)
+
+    def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:  # noqa: ARG002
+        """Cross entropy of the ensemble's mean."""
+        P = self.module.belief(batch.matrix, batch.mask, batch.k).mean
+        return {"loss": nn.functional.binary_cross_entropy(P, batch.success).item()}
+
+
+@dataclass(frozen=True)
+class PolicyTraining:
+    """What a policy is and what it is praised for.
+
+    The default imitates what succeeded and seeks what the critics, looked at with caution, find good. With
+    `--policy.network.kind squashed --policy.imitation 0 --policy.entropy -4` it is the actor of STAP's soft
+    actor-critic, trained off-line: from recorded attempts, after its critics and not together with them.
+
+    Attributes:
+        network: class and size.
+        imitation: weight of the negative log-likelihood of the k that succeeded, over the four numbers of k.
+        caution: standard deviations of the critics that are taken off their mean; with two, 1 is their minimum.
+        temperature: price of the log-density of draws, at first when there is a target entropy.
+        entropy: target of the policy's entropy; None keeps the temperature as it is.
+    """
+
+    network: PolicyNetworkConfig = PolicyNetworkConfig()
+    imitation: float = 0.1
+    caution: float = 1.0
+    temperature: float = 0.0
+    entropy: float | None = None
+
+
+class _Tempered(nn.Module):
+    """A policy with the temperature it is trained at."""
+
+    def __init__(self, policy: Policy, temperature: float) -> None:
+        super().__init__()
+        self.policy = policy
+        self.log_temperature = nn.Parameter(torch.tensor(max(temperature, 1e-3)).log())
+
+
+class Improvement:
+    """E[temperature * log π(k) - Q(k)] over draws, as in soft actor-critic with one step, plus imitation."""
+
+    def __init__(self, config: PolicyTraining, critic: Classifier) -> None:
+        self.policy = config.network.create()
+        self.module = _Tempered(self.policy, config.temperature)
+        self._critic = copy.deepcopy(critic).requires_grad_(False).eval()
+        self._config = config
+
+    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
+        """Of the policy and of its temperature."""
+        loss, log_density = self._parts(batch, generator)
+        if self._config.entropy is not None:
+            loss = loss - self.module.log_temperature * (log_density.detach().mean() + self._config.entropy)
+        return loss
+
+    def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
+        """The loss, and the critics' mean for one draw in each situation."""
+        matrix, mask = batch.matrix, batch.mask
+        k = parameter(self._critic.skill, matrix, self.policy.draw(matrix, mask, 4, generator))
+        belief = self._critic.beliefs(matrix, mask, k)
+        loss, log_density = self._parts(batch, generator)
+        return {"loss": float(loss), "Q": float(belief.mean.mean()), "entropy": -float(log_density.mean())}
+
+    def _parts(self, batch: Batch, generator: torch.Generator) -> tuple[Tensor, Tensor]:
+        """The policy's loss, and the mean log-density of its draws, shape (n,)."""
+        config, skill, matrix, mask = self._config, self._critic.skill, batch.matrix, batch.mask
+        u, log_density, weight = self.policy.branches(matrix, mask, generator)
+        belief = self._critic.beliefs(matrix, mask, parameter(skill, matrix, u))
+        value = belief.mean - config.caution * belief.std
+        fixed = config.entropy is None
+        temperature = config.temperature if fixed else float(self.module.log_temperature.detach().exp())
+        loss = (weight * (temperature * log_density - value)).sum(dim=-1).mean()
+        wins = batch.success > 0
+        if config.imitation and wins.any():
+            shown = normalised(skill, matrix[wins], batch.k[wins])[:, None]
+            likelihood = self.policy.log_density(matrix[wins], mask[wins], shown)
+            loss = loss - config.imitation * likelihood.mean() / 4
+        return loss, (weight * log_density).sum(dim=-1)

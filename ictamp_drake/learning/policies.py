@@ -1,0 +1,140 @@
+"""π(k | matrix): stochastic policies of one skill, from which k is drawn in batches."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import softplus
+
+from ictamp_drake.learning.networks import NetworkConfig
+from ictamp_drake.learning.parameters import wrapped
+from ictamp_drake.world.observation import SCHEMA
+
+
+@dataclass(frozen=True)
+class PolicyNetworkConfig:
+    """Class and size of a policy.
+
+    Attributes:
+        kind: mixture, of Gaussians, since there are several ways to grasp a box; squashed, STAP's Gaussian under tanh.
+        components: of the mixture.
+        network: what it computes its numbers with; there is one member.
+    """
+
+    kind: Literal["mixture", "squashed"] = "mixture"
+    components: int = 8
+    network: NetworkConfig = NetworkConfig(members=1, width=128)
+
+    def create(self) -> "Mixture | Squashed":
+        """The policy of one skill."""
+        return Mixture(self) if self.kind == "mixture" else Squashed(self)
+
+
+class Branches(NamedTuple):
+    """One draw from each component, differentiable in the policy's numbers.
+
+    Attributes:
+        u: normalised k, shape (n, components, 4).
+        log_density: of u under the whole policy, shape (n, components).
+        weight: probability of the component, shape (n, components).
+    """
+
+    u: Tensor
+    log_density: Tensor
+    weight: Tensor
+
+
+class Mixture(nn.Module):
+    """Mixture of Gaussians over position, wrapped around the circle over yaw."""
+
+    log_std = (-6.0, 1.0)
+    """Least and greatest logarithm of a standard deviation."""
+
+    def __init__(self, config: PolicyNetworkConfig) -> None:
+        super().__init__()
+        self.network = config.network.create(SCHEMA.width, 0, config.components * 10)
+
+    def _numbers(self, matrix: Tensor, mask: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Logarithm of the weight (n, c), mean (n, c, 4) and standard deviation (n, c, 4) of each component."""
+        raw = self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[0].reshape(len(matrix), -1, 10)
+        yaw = torch.atan2(raw[..., 4:5], raw[..., 5:6] + 1e-6)
+        low, high = self.log_std
+        std = (low + (high - low) * torch.sigmoid(raw[..., 6:10])).exp()
+        return raw[..., 0].log_softmax(dim=-1), torch.cat([raw[..., 1:4], yaw], dim=-1), std
+
+    def branches(self, matrix: Tensor, mask: Tensor, generator: torch.Generator) -> Branches:
+        """One draw from each component."""
+        log_weight, mean, std = numbers = self._numbers(matrix, mask)
+        u = _turned(mean + std * torch.randn(mean.shape, generator=generator))
+        return Branches(u, _log_density(numbers, u), log_weight.exp())
+
+    def log_density(self, matrix: Tensor, mask: Tensor, u: Tensor) -> Tensor:
+        """Of u, shape (n, m, 4) -> (n, m)."""
+        return _log_density(self._numbers(matrix, mask), u)
+
+    def draw(self, matrix: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
+        """u of so many draws in each situation, shape (n, count, 4)."""
+        log_weight, mean, std = self._numbers(matrix, mask)
+        chosen = torch.multinomial(log_weight.exp(), count, replacement=True, generator=generator)[..., None]
+        chosen = chosen.expand(-1, -1, 4)
+        noise = torch.randn(chosen.shape, generator=generator)
+        return _turned(mean.gather(1, chosen) + std.gather(1, chosen) * noise)
+
+
+def _turned(u: Tensor) -> Tensor:
+    return torch.cat([u[..., :3], wrapped(u[..., 3:])], dim=-1)
+
+
+def _log_density(numbers: tuple[Tensor, Tensor, Tensor], u: Tensor) -> Tensor:
+    """Of a mixture at u, shape (n, m, 4) -> (n, m); yaw a turn away counts too, which is enough for narrow ones."""
+    log_weight, mean, std = (each[:, None] for each in numbers)
+    error = (u[:, :, None] - mean) / std
+    turns = (wrapped(u[:, :, None, 3:] - mean[..., 3:]) + 2 * math.pi * torch.arange(-1, 2)) / std[..., 3:]
+    yaw = torch.logsumexp(-(turns**2) / 2, dim=-1)
+    log_normal = yaw - (error[..., :3] ** 2).sum(dim=-1) / 2 - std.log().sum(dim=-1) - 2 * math.log(2 * math.pi)
+    return torch.logsumexp(log_weight + log_normal, dim=-1)
+
+
+class Squashed(nn.Module):
+    """STAP's actor: one Gaussian whose draws go through tanh, so that all of k keeps within its range."""
+
+    log_std = (-5.0, 2.0)
+
+    def __init__(self, config: PolicyNetworkConfig) -> None:
+        super().__init__()
+        self.network = config.network.create(SCHEMA.width, 0, 8)
+        self.register_buffer("scale", torch.tensor([1.0, 1.0, 1.0, math.pi]), persistent=False)
+
+    scale: Tensor
+
+    def _numbers(self, matrix: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
+        """Mean and standard deviation before tanh, each of shape (n, 1, 4)."""
+        raw = self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[0][:, None]
+        return raw[..., :4], raw[..., 4:].clamp(*self.log_std).exp()
+
+    def branches(self, matrix: Tensor, mask: Tensor, generator: torch.Generator) -> Branches:
+        """One draw from the only component."""
+        mean, std = self._numbers(matrix, mask)
+        free = mean + std * torch.randn(mean.shape, generator=generator)
+        return Branches(self.scale * free.tanh(), self._density(mean, std, free), torch.ones_like(free[..., 0]))
+
+    def log_density(self, matrix: Tensor, mask: Tensor, u: Tensor) -> Tensor:
+        """Of u, shape (n, m, 4) -> (n, m); what lies outside the range is moved to its edge."""
+        mean, std = self._numbers(matrix, mask)
+        return self._density(mean, std, (u / self.scale).clamp(-0.999, 0.999).atanh())
+
+    def _density(self, mean: Tensor, std: Tensor, free: Tensor) -> Tensor:
+        log_normal = -(((free - mean) / std) ** 2) / 2 - std.log() - math.log(2 * math.pi) / 2
+        log_slope = 2 * (math.log(2) - free - softplus(-2 * free)) + self.scale.log()
+        return (log_normal - log_slope).sum(dim=-1)
+
+    def draw(self, matrix: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
+        """u of so many draws in each situation, shape (n, count, 4)."""
+        mean, std = self._numbers(matrix, mask)
+        noise = torch.randn((len(mean), count, 4), generator=generator)
+        return self.scale * (mean + std * noise).tanh()
+
+
+Policy = Mixture | Squashed

@@ -1,0 +1,184 @@
+"""The training loop: epochs with early stopping, which goes on where it was interrupted as if it had not been."""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.learning.batches import Batch
+from ictamp_drake.learning.checkpoint import read, write
+from ictamp_drake.learning.objectives import Objective
+
+STATE = "state.safetensors"
+LOG = "epochs.jsonl"
+Figures = dict[str, float]
+
+
+class Data(NamedTuple):
+    """Attempts to learn from, and others to stop early by."""
+
+    training: Batch
+    validation: Batch
+
+
+@dataclass(frozen=True)
+class FitConfig:
+    """How a network is trained.
+
+    Attributes:
+        epochs: passes over the attempts at most.
+        batch: attempts in a step.
+        rate: learning rate at the start; it falls along half a cosine.
+        decay: weight decay.
+        clip: largest norm of a gradient.
+        patience: epochs without a better validation loss after which training ends.
+        seed: of starting weights, order, bootstraps and noise.
+    """
+
+    epochs: int = 100
+    batch: int = 512
+    rate: float = 1e-3
+    decay: float = 1e-3
+    clip: float = 2.0
+    patience: int = 15
+    seed: int = 0
+
+
+def seeded(seed: int, *keys: int) -> torch.Generator:
+    """A generator of torch for the training stream."""
+    number = generator(Stream.TRAINING, seed, *keys).integers(2**63)
+    return torch.Generator().manual_seed(int(number))
+
+
+def start(seed: int) -> None:
+    """Seed the starting weights, and keep to one thread, which is fastest for small networks and always the same."""
+    torch.set_num_threads(1)
+    torch.manual_seed(int(generator(Stream.TRAINING, seed).integers(2**63)))
+
+
+class Fit:
+    """One training run with its folder.
+
+    Args:
+        objective: what is minimised; its module is trained in place and ends with the best weights.
+        data: attempts.
+        config: how.
+        folder: holds the state after each epoch, from which the run goes on, and the log of epochs.
+        purpose: all else that the result depends on; a folder of another purpose is refused.
+    """
+
+    def __init__(
+        self, objective: Objective, data: Data, config: FitConfig, *, folder: Path, purpose: Mapping[str, Any]
+    ) -> None:
+        self.history: list[Figures] = []
+        self._objective, self._data = objective, data
+        self._config, self._folder = config, folder
+        self._purpose = json.loads(json.dumps({**purpose, "fit": asdict(config)}, default=str))
+        weights = objective.module.parameters()
+        self._optimiser = torch.optim.AdamW(weights, config.rate, weight_decay=config.decay)
+        self._best = _copied(objective.module.state_dict())
+
+    @property
+    def best_epoch(self) -> int:
+        """Number of the epoch with the least validation loss, from 0."""
+        return int(np.argmin([figures["loss"] for figures in self.history])) if self.history else -1
+
+    @property
+    def finished(self) -> bool:
+        """No further epoch is needed."""
+        epochs, config = len(self.history), self._config
+        return epochs >= config.epochs or epochs - 1 - self.best_epoch >= config.patience
+
+    def run(self, report: Callable[[Figures], None] = lambda _: None) -> bool:
+        """Train until finished; False when Ctrl-C came before. The module then has the best weights so far.
+
+        Raises:
+            IctampError: the folder holds another training run or a damaged one.
+        """
+        self._restore()
+        try:
+            while not self.finished:
+                self._epoch()
+                self._save()
+                report(self.history[-1])
+        except KeyboardInterrupt:
+            pass
+        self._objective.module.load_state_dict(self._best)
+        self._objective.module.eval()
+        return self.finished
+
+    def _epoch(self) -> None:
+        config, number, module = self._config, len(self.history), self._objective.module
+        noise = seeded(config.seed, number)
+        for group in self._optimiser.param_groups:
+            group["lr"] = config.rate * (1 + np.cos(np.pi * number / config.epochs)) / 2
+        module.train()
+        losses = []
+        for rows in torch.split(torch.randperm(len(self._data.training), generator=noise), config.batch):
+            loss = self._objective.loss(self._data.training.rows(rows), noise)
+            self._optimiser.zero_grad()
+            torch.autograd.backward(loss)
+            torch.nn.utils.clip_grad_norm_(module.parameters(), config.clip)
+            self._optimiser.step()
+            losses.append(float(loss.detach()))
+        module.eval()
+        with torch.inference_mode():
+            figures = self._objective.validate(
+                self._data.validation, seeded(config.seed)
+            )  # the same noise in all epochs
+        self.history.append({"epoch": number, "training_loss": float(np.mean(losses)), **figures})
+        if self.best_epoch == number:
+            self._best = _copied(module.state_dict())
+
+    def _save(self) -> None:
+        """Weights, best weights and the optimiser's moments in one file."""
+        moments = {
+            f"moments.{index}.{name}": value
+            for index, state in self._optimiser.state_dict()["state"].items()
+            for name, value in state.items()
+        }
+        weights = _prefixed("weights.", self._objective.module.state_dict())
+        tensors = {**weights, **_prefixed("best.", self._best), **moments}
+        arrays = {name: tensor.numpy() for name, tensor in tensors.items()}
+        self._folder.mkdir(parents=True, exist_ok=True)
+        write(self._folder / STATE, arrays, {"purpose": self._purpose, "history": self.history})
+        (self._folder / LOG).write_text("".join(f"{json.dumps(figures)}\n" for figures in self.history))
+
+    def _restore(self) -> None:
+        path = self._folder / STATE
+        if not path.exists():
+            return
+        arrays, metadata = read(path)
+        if metadata.get("purpose") != self._purpose:
+            raise IctampError(
+                f"{path}: made with other options or other attempts; give those it was made with, or another --out"
+            )
+        tensors = {name: torch.from_numpy(array.copy()) for name, array in arrays.items()}
+        self._objective.module.load_state_dict(_without("weights.", tensors))
+        self._best = _without("best.", tensors)
+        states: dict[int, dict[str, Tensor]] = {}
+        for name, tensor in _without("moments.", tensors).items():
+            index, _, key = name.partition(".")
+            states.setdefault(int(index), {})[key] = tensor
+        groups = self._optimiser.state_dict()["param_groups"]
+        self._optimiser.load_state_dict({"state": states, "param_groups": groups})
+        self.history = metadata["history"]
+
+
+def _copied(state: dict[str, Tensor]) -> dict[str, Tensor]:
+    return {name: tensor.clone() for name, tensor in state.items()}
+
+
+def _prefixed(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+    return {prefix + name: tensor for name, tensor in tensors.items()}
+
+
+def _without(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+    return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}

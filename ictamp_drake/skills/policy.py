@@ -1,0 +1,66 @@
+"""k from the learned policy: several candidates at once, of which the critics choose."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.learning.checkpoint import SHIPPED
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.scenes.checks import check_range
+from ictamp_drake.world.observation import Observer
+from ictamp_drake.world.world import World
+
+if TYPE_CHECKING:
+    from ictamp_drake.learning.models import SkillModel
+
+
+@dataclass(frozen=True)
+class PolicyConfig:
+    """How k is drawn from the learned policy.
+
+    Attributes:
+        checkpoints: folder of the trained policies, by default that of the package.
+        candidates: drawn for one k, which is the one with the greatest Q; 1 is the paper's way, a plain draw. When
+            motion planning refuses it, the next k is the best of as many new candidates, so that every k that is
+            executed is one of the best, and a sampler remembers nothing.
+    """
+
+    checkpoints: Path | None = None
+    candidates: int = 16
+
+    def __post_init__(self) -> None:
+        check_range("samplers.policy.candidates", self.candidates, 1, 4096)
+
+    def create(self, world: World, arm: ArmKinematics) -> "PolicySampler":  # noqa: ARG002  (the same for all samplers)
+        """The sampler for one scene.
+
+        Raises:
+            IctampError: a checkpoint is missing, damaged or of something else.
+        """
+        from ictamp_drake.learning.models import load_skill  # noqa: PLC0415  (torch takes long to load)
+
+        folder = self.checkpoints or SHIPPED
+        models = {skill: load_skill(folder, skill) for skill in ("pick", "place")}
+        return PolicySampler(Observer(world.spec), models, self.candidates)
+
+
+class PolicySampler:
+    """Draws k from π(k | matrix), the best of several by Q(matrix, k)."""
+
+    def __init__(self, observer: Observer, models: Mapping[str, "SkillModel"], candidates: int) -> None:
+        self._observer = observer
+        self._models = models
+        self._candidates = candidates
+
+    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter:
+        """One k; there always is one."""
+        model = self._models[action.name]
+        observation = self._observer.observe_all([(c, action)])
+        k = model.draw(observation, self._candidates, rng)
+        if self._candidates == 1:
+            return k[0, 0]
+        return k[0, np.argmax(model.Q(observation, k)[0])]

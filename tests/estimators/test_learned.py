@@ -1,0 +1,94 @@
+"""The contract of learned estimators, with networks that have learned nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import Action, Configuration
+from ictamp_drake.estimators.p_score import PScore, PScoreConfig
+from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.world.world import World
+from tests.learning.synthetic import untrained
+from tests.world.scenes import far_boxes, holding, scene
+
+Config = type[PScoreConfig] | type[QValueConfig]
+CONFIGS = {"p_score": PScoreConfig, "q_value": QValueConfig}
+
+
+@pytest.fixture(scope="module")
+def world() -> World:
+    return World(scene(far_boxes()))
+
+
+@pytest.fixture(scope="module")
+def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return untrained(tmp_path_factory.mktemp("checkpoints"))
+
+
+@pytest.fixture(params=list(CONFIGS))
+def config(request: pytest.FixtureRequest) -> Config:
+    return CONFIGS[request.param]
+
+
+def options(world: World) -> list[tuple[Configuration, Action]]:
+    c, held = world.initial_configuration(), holding(world, "yellow_box")
+    picks = [(c, Action("pick", (box, "table"))) for box in ("cyan_box", "red_box", "blue_box")]
+    places = [(held, Action("place", ("yellow_box", where))) for where in ("rack", "table", "cyan_box")]
+    return [each for pair in zip(picks, places, strict=True) for each in pair]
+
+
+def test_every_option_gets_a_probability_of_its_own(config: Config, world: World, checkpoints: Path) -> None:
+    P = config(checkpoints).create(world).estimate(options(world))
+    assert P.shape == (6,)
+    assert P.dtype == np.float64
+    assert ((P > 0) & (P < 1)).all()
+    assert len(set(P.tolist())) == 6
+
+
+def test_no_options_are_no_trouble(config: Config, world: World, checkpoints: Path) -> None:
+    assert config(checkpoints).create(world).estimate([]).shape == (0,)
+
+
+def test_the_same_question_has_the_same_answer(config: Config, world: World, checkpoints: Path) -> None:
+    asked = options(world)
+    estimator: Estimator[Configuration] = config(checkpoints).create(world)
+    first = estimator.estimate(asked)
+    estimator.estimate(asked[2:])
+    np.testing.assert_array_equal(estimator.estimate(asked), first)
+    np.testing.assert_array_equal(config(checkpoints).create(world).estimate(asked), first)
+
+
+def test_P_does_not_depend_on_what_else_is_asked(world: World, checkpoints: Path) -> None:
+    asked, estimator = options(world), PScoreConfig(checkpoints).create(world)
+    whole = estimator.estimate(asked)
+    alone = [float(estimator.estimate([option])[0]) for option in asked]
+    np.testing.assert_allclose(whole, alone, rtol=1e-5)
+    np.testing.assert_allclose(estimator.estimate(asked[::-1]), whole[::-1], rtol=1e-5)
+
+
+def test_P_comes_with_an_uncertainty(world: World, checkpoints: Path) -> None:
+    estimator = PScoreConfig(checkpoints).create(world)
+    assert isinstance(estimator, PScore)
+    P, std = estimator.beliefs(options(world))
+    np.testing.assert_array_equal(P, estimator.estimate(options(world)))
+    assert ((std > 0) & (std < 0.5)).all()
+
+
+def test_more_draws_raise_the_best_Q_and_not_the_mean(world: World, checkpoints: Path) -> None:
+    asked = options(world)
+
+    def Q(draws: int, best: bool) -> float:
+        return float(QValueConfig(checkpoints, draws, best).create(world).estimate(asked).mean())
+
+    assert Q(64, best=True) > Q(4, best=True) > Q(4, best=False)
+    assert abs(Q(64, best=False) - Q(256, best=False)) < (Q(64, best=True) - Q(64, best=False)) / 2
+
+
+def test_mistakes_are_answered_with_a_sentence(config: Config, world: World, tmp_path: Path) -> None:
+    with pytest.raises(IctampError, match=r"safetensors: there is no such checkpoint"):
+        config(tmp_path).create(world)
+    with pytest.raises(IctampError, match=r"estimators.q-value.draws is 0, but must be between 1 and 4096"):
+        QValueConfig(draws=0)

@@ -1,0 +1,73 @@
+"""Attempts whose outcomes follow a rule that can be learned, and checkpoints of networks that have learned nothing."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
+from ictamp_drake.learning.checkpoint import Checkpoint
+from ictamp_drake.learning.classifier import Classifier
+from ictamp_drake.learning.dataset import Row, scene_text, write
+from ictamp_drake.learning.models import arrays_of
+from ictamp_drake.learning.networks import NetworkConfig
+from ictamp_drake.learning.policies import PolicyNetworkConfig
+from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
+
+MOTION = (Segment("stay", 0.1, GripperCommand(0.08), 1, np.array([0.0, 0.1]), np.zeros((1, 7))),)
+SIZE = NetworkConfig(members=2, width=16)
+POLICY = PolicyNetworkConfig(components=3, network=NetworkConfig(members=1, width=16))
+PROVENANCE = {"command": "python", "data": "none"}
+
+
+def succeeds(matrix: FloatArray, k: FloatArray) -> bool:
+    """The rule: the grasp is near the middle along the box's x axis, and the box is not far to the left."""
+    depth, y = matrix[0, SCHEMA.index("box_x")] * 0.1, matrix[0, SCHEMA.index("base_y")] * 0.7
+    return bool(abs(k[0]) < depth / 4 and y < 0.2)
+
+
+def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
+    """Picks of boxes, by the middle and by the side, in scenes that are all of the wider kind."""
+    rows = []
+    for number in (8 * scene + 5 for scene in range(scenes)):
+        spec = training_scene(number)
+        rng = np.random.default_rng(number)
+        text, boxes = scene_text(spec), sorted(spec.boxes)
+        c = Configuration(np.zeros(9), {name: spec.boxes[name].X_WO for name in boxes})
+        for draw in range(draws):
+            action = Action("pick", (boxes[draw % len(boxes)], "table"))
+            matrix = Observer(spec).observe(c, action).matrix
+            half = matrix[0, SCHEMA.group("box")] * 0.1 / 2
+            k = np.append(rng.uniform(-half, half), rng.uniform(-np.pi, np.pi))
+            failure = None if succeeds(matrix, k) else Failure.NOT_GRASPED
+            rows.append(Row(number, text, 0, draw, "uniform", c, Attempt(action, failure, c, k, MOTION)))
+    folder.mkdir(parents=True, exist_ok=True)
+    write(rows, folder / "all.parquet")
+
+
+def untrained(folder: Path) -> Path:
+    """A folder with a policy and an estimator of each skill that have their starting weights."""
+    torch.manual_seed(0)
+    for skill in ("pick", "place"):
+        critic, policy = Classifier(skill, SIZE, sees_k=True), POLICY.create()
+        arrays = {**arrays_of(policy, "policy."), **arrays_of(critic, "critic.")}
+        network = {"policy": asdict(POLICY), "critic": asdict(SIZE)}
+        Checkpoint("policy", skill, arrays, network, PROVENANCE, {"auc": 0.5}).save(folder)
+        estimator = Classifier(skill, SIZE, sees_k=False)
+        Checkpoint("estimator", skill, arrays_of(estimator), asdict(SIZE), PROVENANCE, {}).save(folder)
+    return folder
+
+
+def matrices(count: int = 6, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]:
+    """Random matrices; the rows of an action's objects are there, some of the others not."""
+    noise = torch.Generator().manual_seed(seed)
+    mask = torch.rand((count, ROWS), generator=noise) < 0.6
+    mask[:, [0, 2]] = True
+    matrix = torch.randn((count, ROWS, SCHEMA.width), generator=noise)
+    sides = matrix[:, :, SCHEMA.group("box")]
+    sides.copy_(sides.abs() + 0.1)
+    matrix[:, :, SCHEMA.group("support")] = 0.0
+    return matrix * mask[..., None], mask

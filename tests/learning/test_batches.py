@@ -1,0 +1,57 @@
+"""Attempts as tensors, and their split."""
+
+import numpy as np
+import pytest
+import torch
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.learning.batches import batch, split
+from ictamp_drake.learning.dataset import Attempts, load
+from tests.learning.synthetic import write_attempts
+
+
+@pytest.fixture(scope="module")
+def attempts(tmp_path_factory: pytest.TempPathFactory) -> Attempts:
+    folder = tmp_path_factory.mktemp("attempts")
+    write_attempts(folder)
+    return load(folder, "pick")
+
+
+def numbers(part: Attempts, k: torch.Tensor) -> set[int]:
+    """Scenes that attempts with these k are from."""
+    known = {row.tobytes(): int(scene) for row, scene in zip(part.k, part.scene, strict=True)}
+    return {known[row.tobytes()] for row in k.numpy()}
+
+
+def test_no_scene_is_in_two_parts_and_none_is_lost(attempts: Attempts) -> None:
+    parts = [numbers(attempts, part.k) for part in split(attempts)]
+    assert sum(len(part) for part in parts) == len(set.union(*parts)) == len(set(attempts.scene.tolist()))
+    assert sum(len(part) for part in split(attempts)) == len(attempts)
+    shares = [len(part) / len(set.union(*parts)) for part in parts]
+    np.testing.assert_allclose(shares, [0.8, 0.1, 0.1], atol=0.05)
+
+
+def test_a_scene_stays_in_its_part_when_others_are_added(attempts: Attempts) -> None:
+    fewer = attempts.chosen(attempts.scene < 240)
+    for before, after in zip(split(fewer), split(attempts), strict=True):
+        assert numbers(attempts, before.k) <= numbers(attempts, after.k)
+
+
+def test_too_few_attempts_are_refused(attempts: Attempts) -> None:
+    few = attempts.chosen(attempts.scene < 20)
+    with pytest.raises(IctampError, match=r"too few recorded attempts: of 0 in the validation scenes 0 succeeded"):
+        split(few)
+    with pytest.raises(IctampError, match=r"of \d+ in the training scenes 0 succeeded"):
+        split(attempts.chosen(~attempts.success))
+
+
+def test_members_of_an_ensemble_see_samples_of_their_own(attempts: Attempts) -> None:
+    plain = batch(attempts)
+    drawn = plain.bootstrapped(3, np.random.default_rng(0))
+    assert drawn.weight.shape == (len(attempts), 3)
+    torch.testing.assert_close(drawn.weight.mean(dim=0), torch.ones(3), atol=0.2, rtol=0)
+    assert (drawn.weight == drawn.weight.round()).all()
+    assert (drawn.weight[:, 0] != drawn.weight[:, 1]).any()
+    assert torch.equal(drawn.k, plain.k)
+    chosen = torch.tensor([4, 2])
+    assert torch.equal(drawn.rows(chosen).weight, drawn.weight[chosen])

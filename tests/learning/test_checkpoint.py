@@ -1,0 +1,84 @@
+"""Checkpoints come back as they were, or are refused with a sentence."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.learning.checkpoint import Checkpoint, load, read, write
+from ictamp_drake.learning.models import load_estimator, load_skill
+from ictamp_drake.world.observation import SCHEMA
+from tests.learning.synthetic import untrained
+
+ARRAYS = {"one": np.arange(6, dtype=np.float32).reshape(2, 3), "two": np.array([1.5], dtype=np.float32)}
+CHECKPOINT = Checkpoint("policy", "pick", ARRAYS, {"width": 3}, {"command": "python x"}, {"auc": 0.9})
+
+
+def test_a_checkpoint_comes_back_as_it_was(tmp_path: Path) -> None:
+    path = CHECKPOINT.save(tmp_path / "new")
+    found = load(tmp_path / "new", "policy", "pick")
+    assert path.name == "pick_policy.safetensors"
+    assert [path.name for path in path.parent.iterdir()] == [path.name]
+    assert (found.network, found.provenance, found.metrics) == ({"width": 3}, {"command": "python x"}, {"auc": 0.9})
+    assert found.arrays.keys() == ARRAYS.keys()
+    for name, array in ARRAYS.items():
+        np.testing.assert_array_equal(found.arrays[name], array)
+
+
+def test_the_metadata_say_what_the_columns_mean(tmp_path: Path) -> None:
+    _, metadata = read(CHECKPOINT.save(tmp_path))
+    assert metadata["schema"]["version"] == SCHEMA.version
+    assert [column["name"] for column in metadata["schema"]["columns"]] == [each.name for each in SCHEMA.columns]
+
+
+def refused(folder: Path, sentence: str, kind: str = "policy", skill: str = "pick") -> None:
+    with pytest.raises(IctampError, match=sentence) as caught:
+        load(folder, kind, skill)  # type: ignore[arg-type]
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    refused(tmp_path, r"pick_policy.safetensors: there is no such checkpoint; train one with experiments.train_skill")
+    refused(tmp_path, r"place_estimator.safetensors: .*train_estimator", "estimator", "place")
+
+
+@pytest.mark.parametrize("left", [0, 5, 100, -4])
+def test_a_damaged_file_is_refused(tmp_path: Path, left: int) -> None:
+    path = CHECKPOINT.save(tmp_path)
+    path.write_bytes(path.read_bytes()[:left])
+    refused(tmp_path, r"pick_policy.safetensors: cannot be read as a safetensors file, it may be damaged")
+
+
+def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
+    path = CHECKPOINT.save(tmp_path)
+    path.rename(tmp_path / "pick_estimator.safetensors")
+    refused(tmp_path, r"holds the policy of pick, but must hold the estimator of pick", "estimator")
+    write(path, ARRAYS, {"kind": "policy"})
+    refused(tmp_path, r"is not a checkpoint of this package, since its metadata has no metrics, network, provenance")
+
+
+@pytest.mark.parametrize("change", ["version", "columns"])
+def test_another_state_matrix_is_refused(tmp_path: Path, change: str) -> None:
+    path = CHECKPOINT.save(tmp_path)
+    arrays, metadata = read(path)
+    schema = metadata["schema"]
+    metadata["schema"] = {**schema, "version": 0} if change == "version" else {**schema, "columns": []}
+    write(path, arrays, metadata)
+    refused(tmp_path, r"was trained on state matrices of version \d, but this package makes version 1")
+
+
+@pytest.mark.parametrize(("kind", "loader"), [("policy", load_skill), ("estimator", load_estimator)])
+def test_numbers_that_do_not_fit_are_refused(tmp_path: Path, kind: str, loader) -> None:  # type: ignore[no-untyped-def]
+    untrained(tmp_path)
+    path = tmp_path / f"pick_{kind}.safetensors"
+    arrays, metadata = read(path)
+    loader(tmp_path, "pick")
+    for broken in (dict(list(arrays.items())[1:]), {name: array[..., :1] for name, array in arrays.items()}):
+        write(path, broken, metadata)
+        with pytest.raises(IctampError, match=r"its numbers do not fit the networks that it describes"):
+            loader(tmp_path, "pick")
+    write(path, arrays, {**metadata, "network": json.loads('{"depth": 3}')})
+    with pytest.raises(IctampError, match=r"does not describe networks of this package"):
+        loader(tmp_path, "pick")

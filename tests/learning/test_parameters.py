@@ -1,0 +1,74 @@
+"""k as networks see it."""
+
+import math
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.types import Action, Configuration
+from ictamp_drake.learning.parameters import FEATURES, features, normalised, parameter, seen_from, wrapped
+from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.world.observation import SCHEMA, Observer
+from tests.learning.synthetic import matrices
+
+SPEC = training_scene(5)
+BOX = min(SPEC.boxes)
+SUPPORT = max(SPEC.supports)
+
+
+def matrix_of(name: str, place: str) -> torch.Tensor:
+    c = Configuration(np.zeros(9), {box: each.X_WO for box, each in SPEC.boxes.items()})
+    return torch.from_numpy(Observer(SPEC).observe_all([(c, Action(name, (BOX, place)))]).matrix)
+
+
+@given(st.sampled_from(["pick", "place"]), st.integers(0, 99))
+def test_k_comes_back_from_its_normalised_form(skill: str, seed: int) -> None:
+    matrix, _ = matrices(4, seed)
+    k = torch.randn((4, 3, 4), generator=torch.Generator().manual_seed(seed)) * 0.1
+    torch.testing.assert_close(parameter(skill, matrix, normalised(skill, matrix, k)), k, rtol=1e-4, atol=1e-5)
+    torch.testing.assert_close(normalised(skill, matrix, k[:, 0]), normalised(skill, matrix, k)[:, 0])
+
+
+def test_a_grasp_at_a_boxs_corner_is_at_one() -> None:
+    matrix = matrix_of("pick", "table")
+    sides = matrix[0, 0, SCHEMA.group("box")] * 0.1
+    corner = torch.cat([sides / 2, torch.zeros(1)])[None]
+    torch.testing.assert_close(normalised("pick", matrix, corner), torch.tensor([[1.0, 1.0, 1.0, 0.0]]))
+
+
+@pytest.mark.parametrize("place", [SUPPORT, max(SPEC.boxes)])
+def test_a_placement_at_the_top_faces_corner_is_at_one(place: str) -> None:
+    matrix = matrix_of("place", place)
+    size = SPEC.supports[place].size if place in SPEC.supports else matrix[0, 2, SCHEMA.group("box")].numpy() * 0.1
+    u = normalised("place", matrix, torch.tensor([[size[0] / 2, -size[1] / 2, 0.022, 1.0]]))
+    torch.testing.assert_close(u, torch.tensor([[1.0, -1.0, 1.0, 1.0]]))
+
+
+@given(st.floats(-20, 20))
+def test_wrapped_angles_are_the_same_angles(angle: float) -> None:
+    turned = float(wrapped(torch.tensor(angle, dtype=torch.float64)))
+    assert -math.pi <= turned < math.pi
+    assert math.isclose(math.cos(turned), math.cos(angle), abs_tol=1e-9)
+    assert math.isclose(math.sin(turned), math.sin(angle), abs_tol=1e-9)
+
+
+def test_objects_are_seen_from_k_as_frames_say() -> None:
+    matrix = matrix_of("pick", "table")
+    k = torch.tensor([[0.01, -0.02, 0.03, 0.7]])
+    cos, sin = math.cos(0.7), math.sin(0.7)
+    R_KQ = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    seen = seen_from(matrix, k)[0].numpy()
+    target = matrix[0, :, SCHEMA.group("target")].numpy()
+    for row in np.flatnonzero(matrix[0].abs().sum(dim=-1).numpy()):
+        np.testing.assert_allclose(seen[row, :3] * 0.2, R_KQ.T @ (target[row, :3] * 0.3 - k[0, :3].numpy()), atol=1e-6)
+        for axis in (slice(3, 6), slice(6, 9)):
+            np.testing.assert_allclose(seen[row, axis], R_KQ.T @ target[row, axis], atol=1e-6)
+
+
+def test_a_full_turn_changes_nothing() -> None:
+    u, yaw = torch.randn((5, 3)), torch.randn(5)
+    assert features(u, yaw).shape == (5, FEATURES)
+    torch.testing.assert_close(features(u, yaw), features(u, yaw + 2 * math.pi), rtol=1e-4, atol=1e-5)

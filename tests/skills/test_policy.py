@@ -1,0 +1,84 @@
+"""The learned policy as a sampler, with networks that have learned nothing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Action, Configuration
+from ictamp_drake.learning.models import load_skill
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.world.observation import Observer
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.world import World
+from tests.learning.synthetic import untrained
+from tests.skills.rig import pick, place
+from tests.world.scenes import far_boxes, holding, scene
+
+
+@pytest.fixture(scope="module")
+def world() -> World:
+    return World(scene(far_boxes()))
+
+
+@pytest.fixture(scope="module")
+def arm(world: World) -> ArmKinematics:
+    return ArmKinematics(to_transform(world.spec.arm.X_WB))
+
+
+@pytest.fixture(scope="module")
+def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return untrained(tmp_path_factory.mktemp("checkpoints"))
+
+
+def situations(world: World) -> list[tuple[Configuration, Action]]:
+    c, held = world.initial_configuration(), holding(world, "yellow_box")
+    return [
+        (c, pick("cyan_box", "table")),
+        (held, place("yellow_box", "rack")),
+        (held, place("yellow_box", "cyan_box")),
+    ]
+
+
+@pytest.mark.parametrize("candidates", [1, 16])
+def test_k_is_four_finite_numbers_that_the_seed_decides(
+    world: World, arm: ArmKinematics, checkpoints: Path, candidates: int
+) -> None:
+    sampler = PolicyConfig(checkpoints, candidates).create(world, arm)
+    for c, action in situations(world):
+        rng, again = np.random.default_rng(0), np.random.default_rng(0)
+        first = [sampler.sample(c, action, rng) for _ in range(3)]
+        second = [PolicyConfig(checkpoints, candidates).create(world, arm).sample(c, action, again) for _ in range(3)]
+        np.testing.assert_array_equal(first, second)
+        assert np.shape(first) == (3, 4)
+        assert first[0].dtype == np.float64
+        assert np.all(np.isfinite(first))
+        assert not np.isclose(first[0], first[1]).any()
+
+
+def test_the_best_of_the_candidates_is_taken(world: World, arm: ArmKinematics, checkpoints: Path) -> None:
+    sampler = PolicyConfig(checkpoints, 16).create(world, arm)
+    for c, action in situations(world):
+        model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
+        candidates = model.draw(observation, 16, np.random.default_rng(5))
+        Q = model.Q(observation, candidates)[0]
+        k = sampler.sample(c, action, np.random.default_rng(5))
+        np.testing.assert_array_equal(k, candidates[0, Q.argmax()])
+        assert Q.argmax() != 0 or Q[0] > Q[1:].max()
+
+
+def test_one_candidate_is_the_policys_plain_draw(world: World, arm: ArmKinematics, checkpoints: Path) -> None:
+    c, action = situations(world)[0]
+    observation = Observer(world.spec).observe_all([(c, action)])
+    draw = load_skill(checkpoints, "pick").draw(observation, 1, np.random.default_rng(2))[0, 0]
+    sampler = PolicyConfig(checkpoints, 1).create(world, arm)
+    np.testing.assert_array_equal(sampler.sample(c, action, np.random.default_rng(2)), draw)
+
+
+def test_mistakes_are_answered_with_a_sentence(world: World, arm: ArmKinematics, tmp_path: Path) -> None:
+    with pytest.raises(IctampError, match=r"pick_policy.safetensors: there is no such checkpoint"):
+        PolicyConfig(tmp_path).create(world, arm)
+    with pytest.raises(IctampError, match=r"samplers.policy.candidates is 0, but must be between 1 and 4096"):
+        PolicyConfig(candidates=0)
