@@ -1,7 +1,7 @@
 """The plug-in points. Each is one or two methods; one file per implementation, one contract test for all."""
 
 from collections.abc import Hashable, Sequence
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -52,3 +52,11 @@ class Sampler(Protocol[C_contra]):
 
     def sample(self, c: C_contra, action: Action, rng: np.random.Generator) -> Parameter | Failure:
         """One k for the action from c, or why there is none; the step then ends without another draw."""
+
+
+@runtime_checkable
+class Ranking(Protocol[C_contra]):
+    """What a sampler may offer besides: several k at once, of which one attempt tries the best that can be executed."""
+
+    def ranked(self, c: C_contra, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
+        """k for the action from c, the most promising first."""

@@ -7,9 +7,6 @@ import numpy as np
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.world.observation import Observation, Observer
 
-SKILLS = ("pick", "place")
-"""For which there are networks."""
-
 Option = tuple[Configuration, Action]
 
 

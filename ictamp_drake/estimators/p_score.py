@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.estimators.learned import SKILLS, Option, by_skill
-from ictamp_drake.learning.checkpoint import SHIPPED
+from ictamp_drake.estimators.learned import Option, by_skill
+from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.world import World
 
@@ -35,6 +35,10 @@ class PScoreConfig:
 
         folder = self.checkpoints or SHIPPED
         return PScore(Observer(world.spec), {skill: load_estimator(folder, skill) for skill in SKILLS})
+
+    def check(self) -> None:
+        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        check_all(self.checkpoints or SHIPPED, "estimator")
 
 
 class Beliefs(NamedTuple):

@@ -9,8 +9,8 @@ import numpy as np
 
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.estimators.learned import SKILLS, Option, by_skill
-from ictamp_drake.learning.checkpoint import SHIPPED
+from ictamp_drake.estimators.learned import Option, by_skill
+from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import Observation, Observer
 from ictamp_drake.world.world import World
@@ -47,6 +47,10 @@ class QValueConfig:
 
         folder = self.checkpoints or SHIPPED
         return QValue(self, Observer(world.spec), {skill: load_skill(folder, skill) for skill in SKILLS})
+
+    def check(self) -> None:
+        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        check_all(self.checkpoints or SHIPPED, "policy")
 
 
 class QValue:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ictamp_drake.experiments.trainer import SKILLS, Course, main
-from ictamp_drake.learning.checkpoint import Checkpoint
+from ictamp_drake.experiments.trainer import Course, main
+from ictamp_drake.learning.checkpoint import SKILLS, Checkpoint
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.evaluation import calibrate, judged
 from ictamp_drake.learning.models import SkillModel, arrays_of

@@ -17,6 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Split, split
+from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.dataset import Attempts, fingerprint, load
 from ictamp_drake.learning.objectives import Objective
 from ictamp_drake.learning.training import Data, Figures, Fit, FitConfig, start
@@ -24,8 +25,6 @@ from ictamp_drake.runs.folder import RUNS
 from ictamp_drake.runs.program import BAD_INPUT, COMPLETE, INTERRUPTED
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.scenes.checks import check_choice
-
-SKILLS = ("pick", "place")
 
 
 class Options(Protocol):

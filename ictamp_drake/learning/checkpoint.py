@@ -18,6 +18,9 @@ from ictamp_drake.world.observation import SCHEMA
 SHIPPED = Path(__file__).parent / "checkpoints"
 """Folder of the checkpoints that come with the package."""
 
+SKILLS = ("pick", "place")
+"""Each has networks of its own."""
+
 _METADATA = "ictamp_drake"
 Kind = Literal["policy", "estimator"]
 Arrays = Mapping[str, NDArray[Any]]
@@ -84,6 +87,12 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
             f"{SCHEMA.version}, whose columns differ; train it again"
         )
     return Checkpoint(arrays=arrays, **{name: metadata[name] for name in names - {"schema"}})
+
+
+def check_all(folder: Path, kind: Kind) -> None:
+    """Raise IctampError unless the checkpoints of all skills are there, see `load`."""
+    for skill in SKILLS:
+        load(folder, kind, skill)
 
 
 def write(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> None:

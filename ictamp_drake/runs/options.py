@@ -124,6 +124,12 @@ class Method:
         check_choice("estimator", self.estimator, choices(Estimators))
         check_choice("generator", self.generator, choices(Generators))
 
+    def check(self) -> None:
+        """Raise IctampError at once, rather than in every problem, when what was learned is not to be had."""
+        for config in (chosen(self.samplers, self.sampler), chosen(self.estimators, self.estimator)):
+            if hasattr(config, "check"):
+                config.check()
+
     def planner_config(self, elapsed: float) -> PlannerConfig:
         """The planner's own configuration when `elapsed` [s] of the time limit are spent."""
         budget = Budget(max(0.0, self.time_limit - elapsed), self.max_steps)

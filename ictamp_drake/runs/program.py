@@ -67,8 +67,9 @@ def run(work: Work) -> int:
     """Solve what is not solved yet, show the results of all; returns the exit code.
 
     Raises:
-        IctampError: see `folder.opened`.
+        IctampError: see `folder.opened` and `Method.check`.
     """
+    work.method.check()
     console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
     with opened(work.name, work.about, work.method, work.conduct) as folder:
         records = _records(work, folder)

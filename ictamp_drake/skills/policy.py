@@ -1,6 +1,6 @@
 """k from the learned policy: several candidates at once, of which the critics choose."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
-from ictamp_drake.learning.checkpoint import SHIPPED
+from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import Observer
@@ -24,9 +24,8 @@ class PolicyConfig:
 
     Attributes:
         checkpoints: folder of the trained policies, by default that of the package.
-        candidates: drawn for one k, which is the one with the greatest Q; 1 is the paper's way, a plain draw. When
-            motion planning refuses it, the next k is the best of as many new candidates, so that every k that is
-            executed is one of the best, and a sampler remembers nothing.
+        candidates: drawn for one attempt, which tries them in the order of their Q until motion planning refuses none
+            (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
     """
 
     checkpoints: Path | None = None
@@ -44,8 +43,12 @@ class PolicyConfig:
         from ictamp_drake.learning.models import load_skill  # noqa: PLC0415  (torch takes long to load)
 
         folder = self.checkpoints or SHIPPED
-        models = {skill: load_skill(folder, skill) for skill in ("pick", "place")}
+        models = {skill: load_skill(folder, skill) for skill in SKILLS}
         return PolicySampler(Observer(world.spec), models, self.candidates)
+
+    def check(self) -> None:
+        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        check_all(self.checkpoints or SHIPPED, "policy")
 
 
 class PolicySampler:
@@ -57,10 +60,14 @@ class PolicySampler:
         self._candidates = candidates
 
     def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter:
-        """One k; there always is one."""
+        """The best of the candidates; there always is one."""
+        return self.ranked(c, action, rng)[0]
+
+    def ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
+        """All candidates, the greatest Q first."""
         model = self._models[action.name]
         observation = self._observer.observe_all([(c, action)])
         k = model.draw(observation, self._candidates, rng)
         if self._candidates == 1:
-            return k[0, 0]
-        return k[0, np.argmax(model.Q(observation, k)[0])]
+            return list(k[0])
+        return list(k[0, np.argsort(-model.Q(observation, k)[0], kind="stable")])

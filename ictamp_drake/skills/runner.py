@@ -11,7 +11,7 @@ import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.protocols import Ranking, Sampler
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, State
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -118,9 +118,10 @@ class Skills:
         """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
         refusals: list[Refusal] = []
         k = None
+        drawing = self._drawing(c, action, rng)
         for _ in range(self.draws):
             with clock.timed("sampling"):
-                drawn = self.sampler.sample(c, action, rng)
+                drawn = next(drawing)
             if isinstance(drawn, Failure):
                 refusals.append(Refusal(drawn, "the sampler found no parameter"))
                 break
@@ -131,6 +132,14 @@ class Skills:
                 return k, plan, [refusal.failure for refusal in refusals]
             refusals.append(plan)
         return k, refusals[-1], [refusal.failure for refusal in refusals[:-1]]
+
+    def _drawing(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
+        """Parameters for one attempt, one after the other."""
+        while True:
+            if isinstance(self.sampler, Ranking):
+                yield from self.sampler.ranked(c, action, rng)
+            else:
+                yield self.sampler.sample(c, action, rng)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,17 @@
 """The command line that is derived from the options."""
 
+from pathlib import Path
+
 import pytest
 import tyro
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.estimators.p_score import PScoreConfig
+from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.runs.options import Conduct, Estimators, Generators, Method, Samplers, choices, chosen
+from ictamp_drake.skills.policy import PolicyConfig
+
+NOWHERE = Path("nowhere")
 
 
 def test_every_constant_can_be_set_on_the_command_line() -> None:
@@ -81,6 +88,21 @@ def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) 
 def test_senseless_values_are_refused(bad) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(IctampError, match="must be"):
         bad()
+
+
+@pytest.mark.parametrize(
+    ("method", "missing"),
+    [
+        (Method(sampler="policy", samplers=Samplers(policy=PolicyConfig(NOWHERE))), "pick_policy"),
+        (Method(estimator="p-score", estimators=Estimators(p_score=PScoreConfig(NOWHERE))), "pick_estimator"),
+        (Method(estimator="q-value", estimators=Estimators(q_value=QValueConfig(NOWHERE))), "pick_policy"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_missing_checkpoints_are_noticed_before_a_run(method: Method, missing: str) -> None:
+    with pytest.raises(IctampError, match=rf"nowhere/{missing}.safetensors: there is no such checkpoint"):
+        method.check()
+    Method().check()
 
 
 def test_the_live_view_takes_one_worker() -> None:

@@ -1,21 +1,23 @@
 """The learned policy as a sampler, with networks that have learned nothing."""
 
+import dataclasses
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action, Configuration
+from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
 from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
-from tests.skills.rig import pick, place
-from tests.world.scenes import far_boxes, holding, scene
+from tests.skills.rig import pick, place, rig
+from tests.world.scenes import arranged, far_boxes, holding, pose, scene
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +68,39 @@ def test_the_best_of_the_candidates_is_taken(world: World, arm: ArmKinematics, c
         Q = model.Q(observation, candidates)[0]
         k = sampler.sample(c, action, np.random.default_rng(5))
         np.testing.assert_array_equal(k, candidates[0, Q.argmax()])
-        assert Q.argmax() != 0 or Q[0] > Q[1:].max()
+        ranked = sampler.ranked(c, action, np.random.default_rng(5))
+        np.testing.assert_array_equal(ranked, candidates[0, np.argsort(-Q)])
+
+
+class Noted(PolicySampler):
+    """Notes what is asked of it."""
+
+    def __init__(self, sampler: PolicySampler) -> None:
+        vars(self).update(vars(sampler))
+        self.asked: list[int] = []
+
+    def ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
+        found = super().ranked(c, action, rng)
+        self.asked.append(len(found))
+        return found
+
+
+@pytest.mark.parametrize(("candidates", "draws", "asked"), [(16, 8, [16]), (4, 8, [4, 4]), (1, 3, [1, 1, 1])])
+def test_an_attempt_tries_the_candidates_before_it_asks_for_more(
+    world: World, checkpoints: Path, candidates: int, draws: int, asked: list[int]
+) -> None:
+    far, action = arranged(world, {"red_box": pose(2.0, 0.0, 0.059)}), pick("red_box", "table")
+    skills = rig(world.spec, PolicyConfig(checkpoints, candidates), draws).skills
+    assert isinstance(skills.sampler, PolicySampler)
+    noted = Noted(skills.sampler)
+    attempt = dataclasses.replace(skills, sampler=noted).attempt(far, action, frozenset(), np.random.default_rng(0))
+    assert attempt.failure is not None
+    assert attempt.failure.is_kinematic
+    assert len(attempt.rejections) == draws - 1
+    assert noted.asked == asked
+    if candidates == 16:
+        ranked = skills.sampler.ranked(far, action, np.random.default_rng(0))
+        np.testing.assert_array_equal(attempt.k, ranked[draws - 1])
 
 
 def test_one_candidate_is_the_policys_plain_draw(world: World, arm: ArmKinematics, checkpoints: Path) -> None:
