@@ -21,6 +21,14 @@ SHIPPED = Path(__file__).parent / "checkpoints"
 SKILLS = ("pick", "place")
 """Each has networks of its own."""
 
+K_SCHEMA = {
+    "version": 1,
+    "pick": "x, y, z over half the box's sides along U's axes; yaw in radians",
+    "place": "x, y over half the top face's sides, z as (z - 0.010 m) / 0.012 m; yaw in radians",
+    "critics": "also see k from the base, and all objects from k, see learning.parameters",
+}
+"""How networks read and write k; a new version of `learning.parameters` needs another one here."""
+
 _METADATA = "ictamp_drake"
 Kind = Literal["policy", "estimator"]
 Arrays = Mapping[str, NDArray[Any]]
@@ -51,7 +59,7 @@ class Checkpoint:
         folder.mkdir(parents=True, exist_ok=True)
         metadata = {name: getattr(self, name) for name in ("kind", "skill", "network", "provenance", "metrics")}
         path = folder / name_of(self.kind, self.skill)
-        write(path, self.arrays, {**metadata, "schema": SCHEMA.as_dict()})
+        write(path, self.arrays, {**metadata, "schema": SCHEMA.as_dict(), "k": K_SCHEMA})
         return path
 
 
@@ -73,7 +81,7 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
             f"{path}: there is no such checkpoint; train one with experiments.{program} or name its folder"
         )
     arrays, metadata = read(path)
-    names = {"kind", "skill", "network", "provenance", "metrics", "schema"}
+    names = {"kind", "skill", "network", "provenance", "metrics", "schema", "k"}
     if not names <= metadata.keys():
         missing = ", ".join(sorted(names - metadata.keys()))
         raise IctampError(f"{path}: is not a checkpoint of this package, since its metadata has no {missing}")
@@ -86,7 +94,13 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
             f"{path}: was trained on state matrices of version {schema['version']}, but this package makes version "
             f"{SCHEMA.version}, whose columns differ; train it again"
         )
-    return Checkpoint(arrays=arrays, **{name: metadata[name] for name in names - {"schema"}})
+    if metadata["k"] != K_SCHEMA:
+        version = metadata["k"].get("version")
+        raise IctampError(
+            f"{path}: reads k in the way of version {version}, but this package in that of {K_SCHEMA['version']}; "
+            f"train it again"
+        )
+    return Checkpoint(arrays=arrays, **{name: metadata[name] for name in names - {"schema", "k"}})
 
 
 def check_all(folder: Path, kind: Kind) -> None:

@@ -50,8 +50,8 @@ class Classifier(nn.Module):
         if not self.sees_k or k is None:
             return self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[..., 0]
         seen = parameters.seen_from(matrix, k)
-        u = parameters.normalised(self.skill, matrix, k)
-        return self.network(torch.cat([matrix, seen], dim=-1), mask, parameters.features(u, k[:, 3]))[..., 0]
+        features = parameters.features(self.skill, matrix, k)
+        return self.network(torch.cat([matrix, seen], dim=-1), mask, features)[..., 0]
 
     def belief(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Belief:
         """Calibrated probabilities, shape (n,)."""

@@ -56,7 +56,7 @@ def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
     path.rename(tmp_path / "pick_estimator.safetensors")
     refused(tmp_path, r"holds the policy of pick, but must hold the estimator of pick", "estimator")
     write(path, ARRAYS, {"kind": "policy"})
-    refused(tmp_path, r"is not a checkpoint of this package, since its metadata has no metrics, network, provenance")
+    refused(tmp_path, r"is not a checkpoint of this package, since its metadata has no k, metrics, network, provenance")
 
 
 @pytest.mark.parametrize("change", ["version", "columns"])
@@ -67,6 +67,13 @@ def test_another_state_matrix_is_refused(tmp_path: Path, change: str) -> None:
     metadata["schema"] = {**schema, "version": 0} if change == "version" else {**schema, "columns": []}
     write(path, arrays, metadata)
     refused(tmp_path, r"was trained on state matrices of version \d, but this package makes version 1")
+
+
+def test_another_way_to_read_k_is_refused(tmp_path: Path) -> None:
+    path = CHECKPOINT.save(tmp_path)
+    arrays, metadata = read(path)
+    write(path, arrays, {**metadata, "k": {"version": 0}})
+    refused(tmp_path, r"reads k in the way of version 0, but this package in that of 1; train it again")
 
 
 @pytest.mark.parametrize(("kind", "loader"), [("policy", load_skill), ("estimator", load_estimator)])

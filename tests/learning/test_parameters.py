@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action, Configuration
-from ictamp_drake.learning.parameters import FEATURES, features, normalised, parameter, seen_from, wrapped
+from ictamp_drake.learning.parameters import FEATURES, SEEN, features, normalised, parameter, seen_from, wrapped
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.world.observation import SCHEMA, Observer
+from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
 from tests.learning.synthetic import matrices
 
 SPEC = training_scene(5)
@@ -55,20 +55,59 @@ def test_wrapped_angles_are_the_same_angles(angle: float) -> None:
     assert math.isclose(math.sin(turned), math.sin(angle), abs_tol=1e-9)
 
 
+def rotation(numbers: np.ndarray) -> np.ndarray:
+    return np.stack([numbers[3:6], numbers[6:9], np.cross(numbers[3:6], numbers[6:9])], axis=-1)
+
+
 def test_objects_are_seen_from_k_as_frames_say() -> None:
     matrix = matrix_of("pick", "table")
     k = torch.tensor([[0.01, -0.02, 0.03, 0.7]])
     cos, sin = math.cos(0.7), math.sin(0.7)
     R_KQ = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    seen = seen_from(matrix, k)[0].numpy()
+    seen = seen_from(matrix, k)
+    assert seen.shape == (1, ROWS, SEEN)
     target = matrix[0, :, SCHEMA.group("target")].numpy()
     for row in np.flatnonzero(matrix[0].abs().sum(dim=-1).numpy()):
-        np.testing.assert_allclose(seen[row, :3] * 0.2, R_KQ.T @ (target[row, :3] * 0.3 - k[0, :3].numpy()), atol=1e-6)
+        found, p_KO = seen[0, row].numpy(), target[row, :3] * 0.3
+        np.testing.assert_allclose(found[:3] * 0.2, R_KQ.T @ (p_KO - k[0, :3].numpy()), atol=1e-6)
         for axis in (slice(3, 6), slice(6, 9)):
-            np.testing.assert_allclose(seen[row, axis], R_KQ.T @ target[row, axis], atol=1e-6)
+            np.testing.assert_allclose(found[axis], R_KQ.T @ target[row, axis], atol=1e-6)
+        sides = (matrix[0, row, SCHEMA.group("box")] * 0.1 + matrix[0, row, SCHEMA.group("support")]).numpy()
+        p_OQ = rotation(target[row]).T @ (k[0, :3].numpy() - p_KO)
+        np.testing.assert_allclose(np.sinh(2 * found[9:]) * 0.01, np.abs(p_OQ) - sides / 2, atol=1e-4)
 
 
-def test_a_full_turn_changes_nothing() -> None:
-    u, yaw = torch.randn((5, 3)), torch.randn(5)
-    assert features(u, yaw).shape == (5, FEATURES)
-    torch.testing.assert_close(features(u, yaw), features(u, yaw + 2 * math.pi), rtol=1e-4, atol=1e-5)
+@pytest.mark.parametrize("skill", ["pick", "place"])
+def test_the_base_sees_k_where_frames_say(skill: str) -> None:
+    matrix = matrix_of(skill, SUPPORT)
+    k = torch.tensor([[0.03, -0.02, 0.01, 0.7]])
+    row = matrix[0, 0 if skill == "pick" else 2].numpy()
+    base = row[SCHEMA.group("base")]
+    rise = 0.0 if skill == "pick" else SPEC.supports[SUPPORT].size[2] / 2
+    p_B = base[:3] * 0.7 + rotation(base) @ (k[0, :3].numpy() + [0, 0, rise])
+    found = features(skill, matrix, k)[0, -6:].numpy()
+    np.testing.assert_allclose(found[:3] * 0.7, p_B, atol=1e-6)
+    assert found[3] * 0.7 == pytest.approx(np.hypot(*p_B[:2]), abs=1e-6)
+    x_B = rotation(base) @ [math.cos(0.7), math.sin(0.7), 0.0]
+    angle = math.atan2(x_B[1], x_B[0]) - math.atan2(p_B[1], p_B[0])
+    np.testing.assert_allclose(found[4:], [math.cos(angle), math.sin(angle)], atol=1e-5)
+
+
+def test_distances_to_the_faces_are_told() -> None:
+    matrix = matrix_of("pick", "table")
+    half = matrix[0, 0, SCHEMA.group("box")].numpy() * 0.05
+    k = torch.tensor([[0.003, -0.004, 0.005, 0.0]])
+    found = np.sinh(2 * features("pick", matrix, k)[0, 3:12].numpy())
+    np.testing.assert_allclose(found[:3] * 0.001, k[0, :3], atol=1e-5)
+    np.testing.assert_allclose(found[3:6] * 0.005, half - k[0, :3].numpy(), atol=1e-5)
+    np.testing.assert_allclose(found[6:] * 0.005, half + k[0, :3].numpy(), atol=1e-5)
+
+
+@given(st.sampled_from(["pick", "place"]), st.floats(-3, 3))
+def test_a_full_turn_changes_nothing(skill: str, yaw: float) -> None:
+    matrix, _ = matrices(2)
+    k = torch.tensor([[0.01, 0.02, 0.03, yaw]] * 2)
+    turned = k + torch.tensor([0.0, 0.0, 0.0, 2 * math.pi])
+    assert features(skill, matrix, k).shape == (2, FEATURES)
+    torch.testing.assert_close(features(skill, matrix, k), features(skill, matrix, turned), rtol=1e-3, atol=1e-4)
+    torch.testing.assert_close(seen_from(matrix, k), seen_from(matrix, turned), rtol=1e-3, atol=1e-4)
