@@ -111,11 +111,11 @@ def main(
         arguments: command line, that of the process by default.
     """
     given = sys.argv[1:] if arguments is None else list(arguments)
-    chosen = tyro.cli(options, prog=f"python -m {name}", args=given, config=(tyro.conf.FlagCreatePairsOff,))
     console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
-    folder = chosen.out or RUNS / f"{name.rpartition('.')[2]}-{datetime.now():%Y%m%d-%H%M%S}"
     command = shlex.join(["python", "-m", name, *given])
     try:
+        chosen = tyro.cli(options, prog=f"python -m {name}", args=given, config=(tyro.conf.FlagCreatePairsOff,))
+        folder = chosen.out or RUNS / f"{name.rpartition('.')[2]}-{datetime.now():%Y%m%d-%H%M%S}"
         for skill in chosen.skills:
             check_choice("skills", skill, SKILLS)
             console.print(f"{folder}: training {skill}", soft_wrap=True)

@@ -7,6 +7,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import relu
 
+from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import ROWS
 
 ROLES = 3
@@ -27,6 +28,10 @@ class NetworkConfig:
     kind: Literal["set", "flat"] = "set"
     members: int = 5
     width: int = 80
+
+    def __post_init__(self) -> None:
+        check_range("members", self.members, 1, 100)
+        check_range("width", self.width, 1, 4096)
 
     def create(self, columns: int, extra: int, outputs: int) -> "SetNetwork | FlatNetwork":
         """A network for matrices of so many columns and vectors of so many extra numbers."""

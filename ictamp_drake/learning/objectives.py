@@ -12,6 +12,7 @@ from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.parameters import normalised, parameter
 from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
+from ictamp_drake.scenes.checks import check_range
 
 
 class Objective(Protocol):
@@ -66,6 +67,10 @@ class PolicyTraining:
     caution: float = 1.0
     temperature: float = 0.0
     entropy: float | None = None
+
+    def __post_init__(self) -> None:
+        for field in ("imitation", "caution", "temperature"):
+            check_range(f"policy.{field}", getattr(self, field), 0, 1e6)
 
 
 class _Tempered(nn.Module):

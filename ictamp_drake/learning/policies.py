@@ -10,6 +10,7 @@ from torch.nn.functional import softplus
 
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.parameters import wrapped
+from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import SCHEMA
 
 
@@ -26,6 +27,10 @@ class PolicyNetworkConfig:
     kind: Literal["mixture", "squashed"] = "mixture"
     components: int = 8
     network: NetworkConfig = NetworkConfig(members=1, width=128)
+
+    def __post_init__(self) -> None:
+        check_range("components", self.components, 1, 100)
+        check_range("policy.network.network.members", self.network.members, 1, 1)
 
     def create(self) -> "Mixture | Squashed":
         """The policy of one skill."""

@@ -15,6 +15,7 @@ from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import read, write
 from ictamp_drake.learning.objectives import Objective
+from ictamp_drake.scenes.checks import check_range
 
 STATE = "state.safetensors"
 LOG = "epochs.jsonl"
@@ -49,6 +50,11 @@ class FitConfig:
     clip: float = 2.0
     patience: int = 15
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        for field, least in ("epochs", 1), ("batch", 1), ("rate", 1e-9), ("decay", 0), ("clip", 1e-9), ("patience", 0):
+            check_range(f"fit.{field}", getattr(self, field), least, 1e9)
+        check_range("fit.seed", self.seed, 0, 2**63 - 1)
 
 
 def seeded(seed: int, *keys: int) -> torch.Generator:

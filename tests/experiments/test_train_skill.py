@@ -1,5 +1,6 @@
 """The training programs, from recorded attempts to a checkpoint that plans."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from ictamp_drake.experiments.trainer import main
 from ictamp_drake.learning.checkpoint import load
 from ictamp_drake.learning.dataset import fingerprint
 from ictamp_drake.learning.models import load_skill
+from ictamp_drake.learning.networks import FlatNetwork
+from ictamp_drake.learning.policies import Squashed
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.observation import Observer
 from tests.learning.synthetic import succeeds, write_attempts
@@ -112,12 +115,25 @@ def test_an_interrupted_program_keeps_the_best_and_goes_on_to_the_same_end(
         np.testing.assert_array_equal(final.arrays[name], array)
 
 
+def test_the_reference_of_stap_is_trained_by_the_options_that_the_help_names(data: Path, tmp_path: Path) -> None:
+    options = re.search(r"`(--critic.kind.*?)`", str(TrainSkill.__doc__), re.DOTALL)
+    assert options is not None
+    given = [*options[1].split(), "--fit.epochs", "1", "--skills", "pick", "--data", str(data), "--out", str(tmp_path)]
+    assert main("ictamp_drake.experiments.train_skill", TrainSkill, train_skill.train, given) == 0
+    model = load_skill(tmp_path, "pick")
+    assert isinstance(model.policy, Squashed)
+    assert isinstance(model.critic.network, FlatNetwork)
+    assert model.critic.network.layer_1.weight.shape[0::2] == (2, 256)
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         (["--data", "nowhere"], "nowhere: no recorded attempts"),
         (["--data", "{data}", "--sampler", "policy"], "too few recorded attempts: of 0 in the training scenes"),
         (["--data", "{data}", "--skills", "push"], "skills is 'push', but must be one of: pick, place"),
+        (["--data", "{data}", "--fit.batch", "0"], "fit.batch is 0, but must be between 1 and 1e+09"),
+        (["--data", "{data}", "--network.members", "0"], "members is 0, but must be between 1 and 100"),
         (["--data", "{data}", "--out", "{out}", "--fit.seed", "3"], "made with other options"),
     ],
 )
