@@ -5,12 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ictamp_drake.estimators.p_score import PScoreConfig
+from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.events import StepDone
 from ictamp_drake.planning.result import StopReason
-from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.options import Estimators, Method, Samplers
 from ictamp_drake.runs.records import record_of
 from ictamp_drake.runs.replay import starts
 from ictamp_drake.runs.solve import Solution, prepare, solve
+from ictamp_drake.skills.policy import PolicyConfig
+from tests.learning.synthetic import untrained
 from tests.runs.programs import SCENE
 
 
@@ -73,3 +77,19 @@ def test_time_spent_before_the_search_counts(scene: Path) -> None:
     assert solution.result.stop_reason is StopReason.OUT_OF_TIME
     assert solution.result.low_level_steps == 0
     assert solution.planning_time_s > solution.result.planning_time_s
+
+
+@pytest.mark.parametrize("estimator", ["p_score", "q_value"])
+def test_what_was_learned_takes_part_in_the_search(scene: Path, tmp_path: Path, estimator: str) -> None:
+    """Networks that have learned nothing draw k and score the options all the same."""
+    folder = untrained(tmp_path)
+    learned = Estimators(p_score=PScoreConfig(folder), q_value=QValueConfig(folder))
+    samplers = Samplers(policy=PolicyConfig(folder, candidates=4))
+    method = Method(
+        time_limit=250, max_steps=2, sampler="policy", estimator=estimator, samplers=samplers, estimators=learned
+    )
+    method.check()
+    result = solve(prepare(scene, method), method).result
+    assert result.low_level_steps == 2
+    for step in result.tree.steps:
+        assert step.attempt.k is not None
