@@ -139,6 +139,16 @@ for level in ("easy", "medium", "hard"):
 
 
 @pytest.mark.wheel
-@pytest.mark.parametrize("program", ["experiments.packing", "plan", "scenes.packing"])
+@pytest.mark.parametrize(
+    "program",
+    [
+        "experiments.packing",
+        "experiments.collect",
+        "experiments.train_skill",
+        "experiments.train_estimator",
+        "plan",
+        "scenes.packing",
+    ],
+)
 def test_programs_start(elsewhere: Elsewhere, program: str) -> None:
     assert "usage:" in elsewhere.python("-m", f"ictamp_drake.{program}", "--help")
