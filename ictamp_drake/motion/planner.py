@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.config import MotionConfig
@@ -15,7 +16,6 @@ from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_belo
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.optimization import HalfSpace, TrajectoryOptimizer
 from ictamp_drake.motion.paths import find_path
-from ictamp_drake.motion.stopwatch import Stopwatch
 from ictamp_drake.motion.trajectory import Trajectory, sample
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World

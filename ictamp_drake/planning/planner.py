@@ -2,8 +2,7 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Protocol
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Abstraction, Estimator, PlanGenerator, SkillRunner
+from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Attempt, C
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
@@ -113,8 +113,11 @@ class Planner(Generic[C]):
     listeners: tuple[Listener, ...]
     stop: Callable[[], bool]
     clock: Callable[[], float]
-    _seconds: defaultdict[str, float] = field(default_factory=lambda: defaultdict(float), init=False)
+    _stopwatch: Stopwatch = field(init=False)
     _finished: list[int] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_stopwatch", Stopwatch(self.clock))
 
     def run(self) -> PlanningResult[C]:
         """Search until a plan is verified, nothing is left to do or the budget is spent; Ctrl-C ends it cleanly."""
@@ -129,7 +132,7 @@ class Planner(Generic[C]):
     def _search(self, deadline: float) -> StopReason:
         self.tree.exhausted = self.generator.exhausted
         while (reason := self._reason_to_stop(deadline)) is None:
-            with self._timed("selection"):
+            with self._stopwatch.stage("selection"):
                 option = self.rule.choose(self.tree, self.rng)
             reached = self._open_plan() if isinstance(option, OpenPlan) else self._run_step(option)
             if reached is not None and self.tree.is_finished(reached) and self._is_verified(reached):
@@ -151,7 +154,7 @@ class Planner(Generic[C]):
     def _open_plan(self) -> Node[C]:
         """Algorithm 3; returns the root, which is at the goal already when the new plan is empty."""
         before = self.generator.expanded
-        with self._timed("plan_generator"):
+        with self._stopwatch.stage("plan_generator"):
             plan = self.generator.next_plan(self.config.max_expansions)
         self.tree.exhausted = self.generator.exhausted
         opening = self.tree.record_opening(plan, self.generator.expanded - before)
@@ -171,14 +174,14 @@ class Planner(Generic[C]):
     def _is_verified(self, node: Node[C]) -> bool:
         path = self.tree.path(node.index)
         self._finished.append(node.index)
-        with self._timed("verification"):
+        with self._stopwatch.stage("verification"):
             verified = self.verify(path)
         self.tree.candidates[node.index] = verified
         self._tell(Verified(node, path, verified))
         return verified
 
     def _seconds_by_stage(self) -> dict[str, float]:
-        seconds = self._seconds.copy()
+        seconds = defaultdict(float, self._stopwatch.seconds)
         for step in self.tree.steps:
             for stage, duration in step.attempt.seconds.items():
                 seconds[stage] += duration
@@ -187,11 +190,3 @@ class Planner(Generic[C]):
     def _tell(self, event: Event) -> None:
         for listener in self.listeners:
             listener(event)
-
-    @contextmanager
-    def _timed(self, stage: str) -> Iterator[None]:
-        start = self.clock()
-        try:
-            yield
-        finally:
-            self._seconds[stage] += self.clock() - start

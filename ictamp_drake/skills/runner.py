@@ -1,10 +1,7 @@
 """One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
 
-from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
-from time import perf_counter
 from typing import Protocol
 
 import numpy as np
@@ -12,6 +9,7 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Ranking, Sampler
+from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, State
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -73,22 +71,22 @@ class Skills:
         self, c: Configuration, action: Action, promised: State, rng: np.random.Generator
     ) -> Attempt[Configuration]:
         """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised` (paper, Problem Formulation)."""
-        clock = _Clock()
-        k, plan, rejections = self._plan(c, action, rng, clock)
+        stopwatch = Stopwatch()
+        k, plan, rejections = self._plan(c, action, rng, stopwatch)
         if isinstance(plan, Refusal):
-            return Attempt(action, plan.failure, None, k, (), tuple(rejections), dict(clock.seconds), plan.detail)
-        return self._executed(c, action, k, plan, promised=promised, rejections=rejections, clock=clock)
+            return Attempt(action, plan.failure, None, k, (), tuple(rejections), stopwatch.seconds, plan.detail)
+        return self._executed(c, action, k, plan, promised=promised, rejections=rejections, stopwatch=stopwatch)
 
     def execute(
         self, c: Configuration, action: Action, k: Parameter, promised: State, rng: np.random.Generator
     ) -> Attempt[Configuration]:
         """Run ψ_a once from c with this k, whatever the sampler would draw."""
-        clock = _Clock()
-        with clock.timed("motion"):
+        stopwatch = Stopwatch()
+        with stopwatch.stage("motion"):
             plan = self.skills[action.name].plan(c, action, k, rng)
         if isinstance(plan, Refusal):
-            return Attempt(action, plan.failure, None, k, (), (), dict(clock.seconds), plan.detail)
-        return self._executed(c, action, k, plan, promised=promised, rejections=[], clock=clock)
+            return Attempt(action, plan.failure, None, k, (), (), stopwatch.seconds, plan.detail)
+        return self._executed(c, action, k, plan, promised=promised, rejections=[], stopwatch=stopwatch)
 
     def _executed(
         self,
@@ -99,34 +97,34 @@ class Skills:
         *,
         promised: State,
         rejections: list[Failure],
-        clock: "_Clock",
+        stopwatch: Stopwatch,
     ) -> Attempt[Configuration]:
         """Execute a motion in physics and judge what became of it."""
         try:
-            with clock.timed("physics"):
+            with stopwatch.stage("physics"):
                 outcome = self.physics.run(c, plan, watch=_Grip(action.args[0]))
         except RuntimeError as error:  # the contact solver diverges in a few jammed situations
             sentence = str(error).partition(".")[0]
-            return Attempt(action, Failure.NOT_SETTLED, None, k, plan, tuple(rejections), dict(clock.seconds), sentence)
-        with clock.timed("abstraction"):
+            return Attempt(action, Failure.NOT_SETTLED, None, k, plan, tuple(rejections), stopwatch.seconds, sentence)
+        with stopwatch.stage("abstraction"):
             failure, detail = judge(self.abstraction(outcome.c), promised, action, outcome)
-        return Attempt(action, failure, outcome.c, k, plan, tuple(rejections), dict(clock.seconds), detail)
+        return Attempt(action, failure, outcome.c, k, plan, tuple(rejections), stopwatch.seconds, detail)
 
     def _plan(
-        self, c: Configuration, action: Action, rng: np.random.Generator, clock: "_Clock"
+        self, c: Configuration, action: Action, rng: np.random.Generator, stopwatch: Stopwatch
     ) -> tuple[Parameter | None, Motion | Refusal, list[Failure]]:
         """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
         refusals: list[Refusal] = []
         k = None
         drawing = self._drawing(c, action, rng)
         for _ in range(self.draws):
-            with clock.timed("sampling"):
+            with stopwatch.stage("sampling"):
                 drawn = next(drawing)
             if isinstance(drawn, Failure):
                 refusals.append(Refusal(drawn, "the sampler found no parameter"))
                 break
             k = drawn
-            with clock.timed("motion"):
+            with stopwatch.stage("motion"):
                 plan = self.skills[action.name].plan(c, action, k, rng)
             if not isinstance(plan, Refusal):
                 return k, plan, [refusal.failure for refusal in refusals]
@@ -150,19 +148,3 @@ class _Grip:
 
     def __call__(self, segment: Segment, physics: Physics) -> bool:
         return segment.gripper.force == 0 or physics.gripped() == self.box
-
-
-class _Clock:
-    """Computing time by stage [s]."""
-
-    def __init__(self) -> None:
-        self.seconds: defaultdict[str, float] = defaultdict(float)
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Add the time spent inside to the stage."""
-        start = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[stage] += perf_counter() - start

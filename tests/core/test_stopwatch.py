@@ -2,7 +2,7 @@ import time
 
 import pytest
 
-from ictamp_drake.motion.stopwatch import Stopwatch
+from ictamp_drake.core.stopwatch import Stopwatch
 
 
 def test_stages_add_up_until_they_are_taken() -> None:
