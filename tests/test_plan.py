@@ -11,8 +11,8 @@ import yaml
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.plan import Plan, work
 from ictamp_drake.runs import program
+from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.plan_file import read_plan, write_plan
-from ictamp_drake.runs.program import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.world.simulate import PhysicsConfig

@@ -15,14 +15,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import tyro
 from rich.console import Console
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.runs.files import write_whole
 from ictamp_drake.runs.folder import locked
 from ictamp_drake.runs.pool import deaf_children, end_with_parent, isolated
-from ictamp_drake.runs.program import BAD_INPUT, BROKEN, COMPLETE, INTERRUPTED
 from ictamp_drake.runs.progress import clock
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.shards import Shards, summary
@@ -185,16 +184,8 @@ def _conclude(options: Collect, console: Console) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The program; returns its exit code."""
-    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
-    prog = "python -m ictamp_drake.experiments.collect"
-    try:
-        return collect(tyro.cli(Collect, prog=prog, args=arguments, config=(tyro.conf.FlagCreatePairsOff,)), console)
-    except IctampError as error:
-        print(error, file=sys.stderr)
-        return BAD_INPUT
-    except KeyboardInterrupt:
-        print("Interrupted; the same command goes on, and repeats at most the scenes under way.", file=sys.stderr)
-        return INTERRUPTED
+    interrupted = "Interrupted; the same command goes on, and repeats at most the scenes under way."
+    return command("ictamp_drake.experiments.collect", Collect, collect, interrupted, arguments)
 
 
 if __name__ == "__main__":

@@ -10,19 +10,17 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Split, split
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.dataset import Attempts, fingerprint, load
 from ictamp_drake.learning.objectives import Objective
 from ictamp_drake.learning.training import Data, Figures, Fit, FitConfig, start
+from ictamp_drake.runs.command import COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.folder import RUNS
-from ictamp_drake.runs.program import BAD_INPUT, COMPLETE, INTERRUPTED
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.scenes.checks import check_choice
 
@@ -111,25 +109,23 @@ def main(
         arguments: command line, that of the process by default.
     """
     given = sys.argv[1:] if arguments is None else list(arguments)
-    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
-    command = shlex.join(["python", "-m", name, *given])
-    try:
-        chosen = tyro.cli(options, prog=f"python -m {name}", args=given, config=(tyro.conf.FlagCreatePairsOff,))
+    typed = shlex.join(["python", "-m", name, *given])
+
+    def act(chosen: T, console: Console) -> int:
         folder = chosen.out or RUNS / f"{name.rpartition('.')[2]}-{datetime.now():%Y%m%d-%H%M%S}"
         for skill in chosen.skills:
             check_choice("skills", skill, SKILLS)
             console.print(f"{folder}: training {skill}", soft_wrap=True)
-            parts, about = _prepared(chosen, skill, command)
+            parts, about = _prepared(chosen, skill, typed)
             with _progress(console) as progress:
                 complete = train(chosen, Course(skill, parts, folder, about, progress))
             if not complete:
                 console.print(f"Interrupted; the same command with --out {folder} goes on.", soft_wrap=True)
                 return INTERRUPTED
-    except IctampError as error:
-        print(error, file=sys.stderr)
-        return BAD_INPUT
-    console.print(f"Checkpoints: {folder}", soft_wrap=True)
-    return COMPLETE
+        console.print(f"Checkpoints: {folder}", soft_wrap=True)
+        return COMPLETE
+
+    return command(name, options, act, "Interrupted; the same command with --out goes on.", given)
 
 
 def _prepared(options: Options, skill: str, command: str) -> tuple[Split, dict[str, Any]]:

@@ -1,15 +1,13 @@
 """The frame of every program: command line, run, report, exit code."""
 
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-import tyro
 from rich.console import Console
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.folder import RESULTS, opened
 from ictamp_drake.runs.options import Conduct, Method
 from ictamp_drake.runs.progress import Progress, counted
@@ -19,9 +17,6 @@ from ictamp_drake.runs.table import report
 from ictamp_drake.runs.worker import Bench, Problem
 
 T = TypeVar("T")
-
-COMPLETE, BROKEN, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit codes: all problems came to an end, solved or not; some broke down; a mistake of the user; Ctrl-C."""
 
 
 @dataclass(frozen=True)
@@ -52,25 +47,17 @@ def main(name: str, options: type[T], work: Callable[[T], Work], arguments: Sequ
         work: what is to be done with these options.
         arguments: command line, that of the process by default.
     """
-    config = (tyro.conf.FlagCreatePairsOff,)
-    try:
-        return run(work(tyro.cli(options, prog=f"python -m {name}", args=arguments, config=config)))
-    except IctampError as error:
-        print(error, file=sys.stderr)
-        return BAD_INPUT
-    except KeyboardInterrupt:
-        print("Interrupted at once; what was finished before is kept.", file=sys.stderr)
-        return INTERRUPTED
+    interrupted = "Interrupted at once; what was finished before is kept."
+    return command(name, options, lambda chosen, console: run(work(chosen), console), interrupted, arguments)
 
 
-def run(work: Work) -> int:
+def run(work: Work, console: Console) -> int:
     """Solve what is not solved yet, show the results of all; returns the exit code.
 
     Raises:
         IctampError: see `folder.opened` and `Method.check`.
     """
     work.method.check()
-    console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
     with opened(work.name, work.about, work.method, work.conduct) as folder:
         records = _records(work, folder)
         todo = [

@@ -20,6 +20,15 @@ class Abstraction:
         self._config = config or PredicateConfig()
         self._boxes = sorted(world.spec.boxes)
         self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
+        self._predicates: dict[str, Callable[..., Evaluation]] = {
+            "on": self._on,
+            "lying": self._lying,
+            "in-hand": self._in_hand,
+            "clear": self._clear,
+            "hand-empty": self._hand_empty,
+            "upright": self._upright,
+            "tipped": self._tipped,
+        }
 
     def __call__(self, c: Configuration) -> State:
         """All atoms that hold in c."""
@@ -40,16 +49,7 @@ class Abstraction:
         return [Atom("hand-empty", ()), *unary, *(Atom(p, pair) for p in ("on", "lying") for pair in pairs)]
 
     def _evaluate(self, scene: Scene, atom: Atom) -> Evaluation:
-        predicates: dict[str, Callable[..., Evaluation]] = {
-            "on": self._on,
-            "lying": self._lying,
-            "in-hand": self._in_hand,
-            "clear": self._clear,
-            "hand-empty": self._hand_empty,
-            "upright": self._upright,
-            "tipped": self._tipped,
-        }
-        return predicates[atom.predicate](scene, *atom.args)
+        return self._predicates[atom.predicate](scene, *atom.args)
 
     def _on(self, scene: Scene, a: str, b: str) -> Evaluation:
         carried = scene.carried(a, b)

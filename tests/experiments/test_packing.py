@@ -12,7 +12,7 @@ import pytest
 
 from ictamp_drake.experiments.packing import Packing, work
 from ictamp_drake.runs import program
-from ictamp_drake.runs.program import BAD_INPUT, BROKEN, COMPLETE, INTERRUPTED
+from ictamp_drake.runs.command import BAD_INPUT, BROKEN, COMPLETE, INTERRUPTED
 from ictamp_drake.runs.records import Record, read_records
 from tests.runs.programs import command, environment, run, timeless
 
