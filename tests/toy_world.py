@@ -134,14 +134,14 @@ class ToyGenerator:
 
 @dataclass
 class TableEstimator:
-    """P by action, with a record of what it was asked."""
+    """P by first action, with a record of what it was asked."""
 
     P: Mapping[Action, float]
-    asked: list[list[tuple[ToyConfiguration, Action]]] = field(default_factory=list)
+    asked: list[list[tuple[ToyConfiguration, Skeleton]]] = field(default_factory=list)
 
-    def estimate(self, options: Sequence[tuple[ToyConfiguration, Action]]) -> FloatArray:
+    def estimate(self, options: Sequence[tuple[ToyConfiguration, Skeleton]]) -> FloatArray:
         self.asked.append(list(options))
-        return np.array([self.P[action] for _, action in options])
+        return np.array([self.P[plan.actions[0]] for _, plan in options])
 
 
 @dataclass

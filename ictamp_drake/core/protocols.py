@@ -1,7 +1,7 @@
 """The plug-in points. Each is one or two methods; one file per implementation, one contract test for all."""
 
-from collections.abc import Hashable, Sequence
-from typing import Protocol, TypeVar, runtime_checkable
+from collections.abc import Hashable, Iterator, Sequence
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -43,20 +43,19 @@ class SkillRunner(Protocol[C]):
 class Estimator(Protocol[C_contra]):
     """P: estimated probability that ψ_a, run from c, ends in the state that a promises."""
 
-    def estimate(self, options: Sequence[tuple[C_contra, Action]]) -> FloatArray:
-        """P of each option in one call, shape (len(options),), each in [0, 1]."""
+    def estimate(self, options: Sequence[tuple[C_contra, Skeleton]]) -> FloatArray:
+        """P of running the first action of each plan from c, in one call, shape (len(options),), each in [0, 1].
+
+        A plan starts in H(c) and has an action at least. Those after the first are of interest to estimators that
+        look ahead.
+        """
 
 
 class Sampler(Protocol[C_contra]):
     """A source of skill parameters k."""
 
-    def sample(self, c: C_contra, action: Action, rng: np.random.Generator) -> Parameter | Failure:
-        """One k for the action from c, or why there is none; the step then ends without another draw."""
+    def draws(self, c: C_contra, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
+        """Any number of k for the action from c, the most promising first, or why there is none.
 
-
-@runtime_checkable
-class Ranking(Protocol[C_contra]):
-    """What a sampler may offer besides: several k at once, of which one attempt tries the best that can be executed."""
-
-    def ranked(self, c: C_contra, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
-        """k for the action from c, the most promising first."""
+        An attempt takes them one after the other until it has a motion. It ends with a failure, whatever comes after.
+        """

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action, FloatArray
+from ictamp_drake.core.types import FloatArray, Skeleton
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class ConstantConfig:
         if not 0 <= self.P <= 1:
             raise IctampError(f"P of the constant estimator is {self.P}, but must lie between 0 and 1.")
 
-    def create(self, world: object = None) -> "Constant":  # noqa: ARG002  (the same for all estimators)
+    def create(self, world: object = None, skills: object = None) -> "Constant":  # noqa: ARG002  (as for the others)
         """The estimator, the same in every scene."""
         return Constant(self.P)
 
@@ -35,6 +35,6 @@ class Constant:
 
     P: float
 
-    def estimate(self, options: Sequence[tuple[Hashable, Action]]) -> FloatArray:
+    def estimate(self, options: Sequence[tuple[Hashable, Skeleton]]) -> FloatArray:
         """P of each option, shape (len(options),)."""
         return np.full(len(options), self.P)

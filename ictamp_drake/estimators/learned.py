@@ -4,16 +4,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ictamp_drake.core.types import Action, Configuration, FloatArray
+from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
 from ictamp_drake.world.observation import Observation, Observer
 
-Option = tuple[Configuration, Action]
+Option = tuple[Configuration, Skeleton]
 
 
 def by_skill(
     observer: Observer, options: Sequence[Option], score: Callable[[str, Observation], FloatArray], numbers: int = 1
 ) -> FloatArray:
-    """Scores of all options, skill by skill.
+    """Scores of the first actions of all options, skill by skill.
 
     Args:
         observer: makes the matrices.
@@ -24,8 +24,9 @@ def by_skill(
     Returns:
         Shape (numbers, n).
     """
-    observation = observer.observe_all(options)
-    names = np.array([action.name for _, action in options], dtype=np.str_)
+    steps = [(c, plan.actions[0]) for c, plan in options]
+    observation = observer.observe_all(steps)
+    names = np.array([action.name for _, action in steps], dtype=np.str_)
     scores = np.empty((numbers, len(options)))
     for skill in sorted(set(names.tolist())):
         rows = np.flatnonzero(names == skill)

@@ -25,7 +25,7 @@ class PScoreConfig:
 
     checkpoints: Path | None = None
 
-    def create(self, world: World) -> "PScore":
+    def create(self, world: World, skills: object = None) -> "PScore":  # noqa: ARG002  (the same for all estimators)
         """The estimator for one scene.
 
         Raises:

@@ -37,7 +37,7 @@ class QValueConfig:
     def __post_init__(self) -> None:
         check_range("estimators.q-value.draws", self.draws, 1, 4096)
 
-    def create(self, world: World) -> "QValue":
+    def create(self, world: World, skills: object = None) -> "QValue":  # noqa: ARG002  (the same for all estimators)
         """The estimator for one scene.
 
         Raises:

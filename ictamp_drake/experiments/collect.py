@@ -70,6 +70,7 @@ def collect(options: Collect, console: Console) -> int:
         IctampError: the folder holds attempts that were made in another way, or is in use.
     """
     scenes = parse_selection(options.scenes, MAX_SCENES)
+    options.walk.check()
     options.out.mkdir(parents=True, exist_ok=True)
     with locked(options.out):
         _check_same(options)
@@ -87,7 +88,7 @@ def collect(options: Collect, console: Console) -> int:
 def _check_same(options: Collect) -> None:
     """Note how attempts are made, or compare it with what is noted."""
     path = options.out / COLLECTION
-    fixed = json.loads(json.dumps({"seed": options.seed, "walk": asdict(options.walk)}))
+    fixed = json.loads(json.dumps({"seed": options.seed, "walk": asdict(options.walk)}, default=str))
     if not path.exists():
         write_whole(path, json.dumps({**fixed, **provenance()}, indent=2))
         return

@@ -8,7 +8,7 @@ import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Action, C
+from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
 from ictamp_drake.planning.scores import draw, latest_plan_cost, node_weight, score_high, score_low
 from ictamp_drake.planning.tree import Step, Tree
@@ -49,13 +49,13 @@ class Proportional(Generic[C]):
     an opening, one option is drawn among opening a plan and running each known plan (Algorithm 1, lines 3-5). A plan
     is scored from the node that was drawn for it, and run from the same node.
 
-    P depends on the configuration and the plan's first action, neither of which ever changes, so it is computed once.
+    P depends on the configuration and the plan, neither of which ever changes, so it is computed once.
     """
 
     def __init__(self, config: ProportionalConfig, estimator: Estimator[C]) -> None:
         self._config = config
         self._estimator = estimator
-        self._P: dict[tuple[int, Action], float] = {}
+        self._P: dict[RunStep, float] = {}
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
         """Go on with the rollout, or else draw one option in proportion to the scores."""
@@ -87,9 +87,8 @@ class Proportional(Generic[C]):
         return [score_low(P, cnt, self._config.floor) for P, cnt in zip(estimates, counts, strict=True)]
 
     def _estimates(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        keys = [(run.node, tree.first_action(run.plan)) for run in runs]
-        missing = list(dict.fromkeys(key for key in keys if key not in self._P))
+        missing = [run for run in runs if run not in self._P]
         if missing:
-            values = self._estimator.estimate([(tree.nodes[node].c, action) for node, action in missing])
+            values = self._estimator.estimate([(tree.nodes[node].c, tree.plans[plan]) for node, plan in missing])
             self._P.update(zip(missing, values.tolist(), strict=True))
-        return [self._P[key] for key in keys]
+        return [self._P[run] for run in runs]

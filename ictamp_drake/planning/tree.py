@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
-from ictamp_drake.core.types import Action, Attempt, C, Skeleton, State
+from ictamp_drake.core.types import Attempt, C, Skeleton, State
 
 ROOT = 0
 """Number of the root node n_0."""
@@ -111,9 +111,6 @@ class Tree(Generic[C]):
     def solution(self) -> int | None:
         """Number of the first node whose plan was verified."""
         return next((node for node, verified in self.candidates.items() if verified), None)
-
-    def first_action(self, plan: int) -> Action:
-        return self.plans[plan].actions[0]
 
     def is_finished(self, node: Node[C]) -> bool:
         """True when the node holds an empty plan, that is, when a plan was carried out up to here."""

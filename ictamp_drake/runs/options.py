@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
@@ -42,6 +43,7 @@ class Estimators:
     p_score: PScoreConfig = PScoreConfig()
     q_value: QValueConfig = QValueConfig()
     constant: ConstantConfig = ConstantConfig()
+    monte_carlo: MonteCarloConfig = MonteCarloConfig()
 
 
 @dataclass(frozen=True)

@@ -90,12 +90,13 @@ def solve(
     verifier = _Verifier(task, method)
     sampler = chosen(method.samplers, method.sampler)
     plans = chosen(method.generators, method.generator)
+    skills = method.skills.create(task.world, task.abstraction, task.physics, sampler)
     planner = method.planner_config(elapsed=perf_counter() - task.started).create(
         c=task.c,
         abstraction=task.abstraction,
         generator=plans.create(task.domain, task.abstraction(task.c), task.goal),
-        skills=method.skills.create(task.world, task.abstraction, task.physics, sampler),
-        estimator=chosen(method.estimators, method.estimator).create(task.world),
+        skills=skills,
+        estimator=chosen(method.estimators, method.estimator).create(task.world, skills),
         verify=verifier,
         rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
         listeners=listeners,

@@ -1,22 +1,23 @@
 """Random walks through the states that planning meets, and what became of the attempts on the way."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from time import perf_counter
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Attempt, Configuration, State
 from ictamp_drake.learning.dataset import Row, scene_text
+from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
-from ictamp_drake.skills.runner import Skills, SkillsConfig
+from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.skills.runner import SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import Abstraction
@@ -26,13 +27,49 @@ from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
+class Sources:
+    """Weights of the sources of k; an attempt's is drawn in proportion to them.
+
+    Attributes:
+        optimisation: the optimisation-based sampler.
+        perturbed: the same with noise.
+        uniform: anywhere on the target.
+        policy: a plain draw from the trained policy, the paper's way.
+        best: of 16 draws from the policy the one with the greatest Q.
+        product: of 16 draws from the policy the one with the greatest Q that has a motion, as planning does by default.
+        reference: a plain draw from another trained policy.
+    """
+
+    optimisation: float = 0.1
+    perturbed: float = 0.65
+    uniform: float = 0.25
+    policy: float = 0.0
+    best: float = 0.0
+    product: float = 0.0
+    reference: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, weight in asdict(self).items():
+            check_range(f"walk.sources.{name}", weight, 0, 1e6)
+        check_range("the sum of walk.sources", sum(asdict(self).values()), 1e-9, 1e9)
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Those above zero, by name."""
+        return {name: weight for name, weight in asdict(self).items() if weight > 0}
+
+
+@dataclass(frozen=True)
 class WalkConfig:
     """How attempts are drawn.
 
     Attributes:
         states: rounds of a walk; in each a high-level action is drawn and tried from one configuration.
         draws: attempts in a round, each with a k of its own.
-        optimisation, perturbed, uniform: probabilities of the sources of k; they add up to one.
+        sources: where k comes from.
+        compare: every round makes its attempts from each of the sources, so that they can be compared.
+        checkpoints: folder of the trained policy, by default that of the package.
+        reference: folder of the policy that serves as the reference.
         stray: probability that the walk goes on from where a failed round ended rather than from where it began.
         patience: failed rounds in a row after which the walk goes back to a configuration that it met before.
         on_support: probability that a box is placed on a support when there is a box it could be placed on.
@@ -42,14 +79,37 @@ class WalkConfig:
 
     states: int = 24
     draws: int = 4
-    optimisation: float = 0.1
-    perturbed: float = 0.65
-    uniform: float = 0.25
+    sources: Sources = Sources()
+    compare: bool = False
+    checkpoints: Path | None = None
+    reference: Path | None = None
     stray: float = 0.3
     patience: int = 3
     on_support: float = 0.5
     noise: PerturbedConfig = PerturbedConfig()
     drop: float = 0.05
+
+    def __post_init__(self) -> None:
+        check_range("walk.states", self.states, 1, 1e4)
+        check_range("walk.draws", self.draws, 1, 1e4)
+        if self.sources.reference and self.reference is None:
+            raise IctampError("walk.sources.reference is above zero, but walk.reference names no folder of checkpoints")
+
+    def check(self) -> None:
+        """Raise IctampError at once, rather than in every scene, when a trained policy is not to be had."""
+        for source in self.sources.weights:
+            if source in _LEARNED:
+                self.learned(source).check()
+
+    def learned(self, source: str) -> PolicyConfig:
+        """How a source draws from a trained policy."""
+        folder = self.reference if source == "reference" else self.checkpoints
+        return PolicyConfig(folder, _CANDIDATES if source in ("best", "product") else 1)
+
+
+_LEARNED = ("policy", "best", "product", "reference")
+_CANDIDATES = 16
+"""Draws of which the best is taken."""
 
 
 def walk(number: int, seed: int, config: WalkConfig) -> list[Row]:
@@ -75,17 +135,24 @@ class _Course:
         self._world = World(spec)
         self._abstraction = Abstraction(self._world)
         self._physics = PhysicsConfig().create(spec)
-        self._skills: Skills = SkillsConfig().create(
-            self._world, self._abstraction, self._physics, OptimisationConfig()
-        )
-        self._samplers: dict[str, Sampler[Configuration]] = {
-            "optimisation": self._skills.sampler,
-            "perturbed": PerturbedSampler(self._world, self._skills.sampler, config.noise),
-            "uniform": UniformSampler(self._world, UniformConfig(max_height=config.drop)),
+        plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimisationConfig())
+        self._sources = {
+            source: replace(
+                plain, sampler=self._sampler(source, plain.sampler), draws=_CANDIDATES if source == "product" else 1
+            )
+            for source in config.sources.weights
         }
         self._domains: dict[State, Domain] = {}
         self._met = [start_configuration(self._world, self._abstraction, self._physics, spec.description)]
         self._drawn = [0]
+
+    def _sampler(self, source: str, optimisation: Sampler[Configuration]) -> Sampler[Configuration]:
+        config, world = self._config, self._world
+        if source == "perturbed":
+            return PerturbedSampler(world, optimisation, config.noise)
+        if source == "uniform":
+            return UniformSampler(world, UniformConfig(max_height=config.drop))
+        return config.learned(source).create(world) if source in _LEARNED else optimisation
 
     def attempts(self) -> Iterator[tuple[int, int, str, Configuration, Attempt[Configuration]]]:
         """State, draw, sampler, c and what came of it, for each attempt of the walk."""
@@ -93,10 +160,10 @@ class _Course:
         for _ in range(self._config.states):
             action, promised = self._action(self._met[here])
             tried = []
-            for _ in range(self._config.draws):
-                sampler, attempt = self._attempt(self._met[here], action, promised)
+            for source in self._round():
+                attempt = self._sources[source].attempt(self._met[here], action, promised, self._rng)
                 tried.append(attempt)
-                yield here, self._drawn[here], sampler, self._met[here], attempt
+                yield here, self._drawn[here], source, self._met[here], attempt
                 self._drawn[here] += 1
             failed = 0 if any(attempt.succeeded for attempt in tried) else failed + 1
             onward = self._onward(tried)
@@ -107,6 +174,15 @@ class _Course:
             elif failed >= self._config.patience:
                 here, failed = int(self._rng.integers(len(self._met))), 0
 
+    def _round(self) -> Iterator[str]:
+        """The sources of the attempts of one round."""
+        names, weights = zip(*self._config.sources.weights.items(), strict=True)
+        for _ in range(self._config.draws):
+            if self._config.compare:
+                yield from names
+            else:
+                yield str(self._rng.choice(names, p=np.divide(weights, sum(weights))))
+
     def _action(self, c: Configuration) -> tuple[Action, State]:
         """An applicable action and the state that it promises."""
         options = list(self._successors(c))
@@ -115,18 +191,6 @@ class _Course:
         if options[0][0].name == "place" and all(apart):
             options = apart[int(self._rng.random() < self._config.on_support)]
         return options[self._rng.integers(len(options))]
-
-    def _attempt(self, c: Configuration, action: Action, promised: State) -> tuple[str, Attempt[Configuration]]:
-        config = self._config
-        weights = [config.optimisation, config.perturbed, config.uniform]
-        sampler = str(self._rng.choice(list(self._samplers), p=weights))
-        started = perf_counter()
-        k = self._samplers[sampler].sample(c, action, self._rng)
-        seconds = {"sampling": perf_counter() - started}
-        if isinstance(k, Failure):
-            return sampler, Attempt(action, k, seconds=seconds)
-        attempt = self._skills.execute(c, action, k, promised, self._rng)
-        return sampler, replace(attempt, seconds={**attempt.seconds, **seconds})
 
     def _onward(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
         """Where one of the successes, or now and then of the failures, ended, if planning could go on from there."""

@@ -4,7 +4,7 @@ k is a function of the joint positions q by forward kinematics, so the program's
 constraints and costs on k are constraints and costs on the pose of G. Random modes, aims and starts make it a sampler.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,13 +81,13 @@ class OptimisationSampler:
         self._config = config
         self._solver = SnoptSolver()
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | Failure:
-        """One k, or why no program had a solution: the neighbours, or what holds without them, the arm."""
-        k = self._draw(c, action, rng, self._neighbours(c, action))
-        if k is not None:
-            return k
+    def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
+        """Any number of k, or why no program had a solution: the neighbours, or what holds without them, the arm."""
+        around = self._neighbours(c, action)
+        while (k := self._draw(c, action, rng, around)) is not None:
+            yield k
         alone = self._draw(c, action, rng, [])
-        return Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
+        yield Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
 
     def _neighbours(self, c: Configuration, action: Action) -> list[Neighbour]:
         """What reaches as high as the fingers of a grasp, or as the place where the held box is put."""

@@ -1,5 +1,6 @@
 """k of another sampler with noise: near misses, off-centre grasps, drops, crowded and overhanging placements."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,11 +41,12 @@ class PerturbedSampler:
         self._sampler = sampler
         self._config = config
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | Failure:
-        """One k, or why the other sampler found none."""
-        k = self._sampler.sample(c, action, rng)
-        if isinstance(k, Failure):
-            return k
+    def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
+        """Any number of k, or why the other sampler found none."""
+        for k in self._sampler.draws(c, action, rng):
+            yield k if isinstance(k, Failure) else self._shifted(k, action, rng)
+
+    def _shifted(self, k: Parameter, action: Action, rng: np.random.Generator) -> Parameter:
         config = self._config
         if action.name == "pick":
             return k + self._noise(config.grasp, rng)

@@ -1,6 +1,6 @@
 """k from the learned policy: several candidates at once, of which the critics choose."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +9,6 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
-from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.world import World
@@ -34,7 +33,7 @@ class PolicyConfig:
     def __post_init__(self) -> None:
         check_range("samplers.policy.candidates", self.candidates, 1, 4096)
 
-    def create(self, world: World, arm: ArmKinematics) -> "PolicySampler":  # noqa: ARG002  (the same for all samplers)
+    def create(self, world: World, arm: object = None) -> "PolicySampler":  # noqa: ARG002  (the same for all samplers)
         """The sampler for one scene.
 
         Raises:
@@ -59,12 +58,12 @@ class PolicySampler:
         self._models = models
         self._candidates = candidates
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter:
-        """The best of the candidates; there always is one."""
-        return self.ranked(c, action, rng)[0]
+    def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
+        """Any number of k: all candidates, the greatest Q first, then others."""
+        while True:
+            yield from self._ranked(c, action, rng)
 
-    def ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
-        """All candidates, the greatest Q first."""
+    def _ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
         model = self._models[action.name]
         observation = self._observer.observe_all([(c, action)])
         k = model.draw(observation, self._candidates, rng)

@@ -1,6 +1,6 @@
 """One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.protocols import Ranking, Sampler
+from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, State
 from ictamp_drake.motion.config import MotionConfig
@@ -74,49 +74,24 @@ class Skills:
         stopwatch = Stopwatch()
         k, plan, rejections = self._plan(c, action, rng, stopwatch)
         if isinstance(plan, Refusal):
-            return Attempt(action, plan.failure, None, k, (), tuple(rejections), stopwatch.seconds, plan.detail)
-        return self._executed(c, action, k, plan, promised=promised, rejections=rejections, stopwatch=stopwatch)
-
-    def execute(
-        self, c: Configuration, action: Action, k: Parameter, promised: State, rng: np.random.Generator
-    ) -> Attempt[Configuration]:
-        """Run ψ_a once from c with this k, whatever the sampler would draw."""
-        stopwatch = Stopwatch()
-        with stopwatch.stage("motion"):
-            plan = self.skills[action.name].plan(c, action, k, rng)
-        if isinstance(plan, Refusal):
-            return Attempt(action, plan.failure, None, k, (), (), stopwatch.seconds, plan.detail)
-        return self._executed(c, action, k, plan, promised=promised, rejections=[], stopwatch=stopwatch)
-
-    def _executed(
-        self,
-        c: Configuration,
-        action: Action,
-        k: Parameter | None,
-        plan: Motion,
-        *,
-        promised: State,
-        rejections: list[Failure],
-        stopwatch: Stopwatch,
-    ) -> Attempt[Configuration]:
-        """Execute a motion in physics and judge what became of it."""
+            return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail)
         try:
             with stopwatch.stage("physics"):
                 outcome = self.physics.run(c, plan, watch=_Grip(action.args[0]))
         except RuntimeError as error:  # the contact solver diverges in a few jammed situations
             sentence = str(error).partition(".")[0]
-            return Attempt(action, Failure.NOT_SETTLED, None, k, plan, tuple(rejections), stopwatch.seconds, sentence)
+            return Attempt(action, Failure.NOT_SETTLED, None, k, plan, rejections, stopwatch.seconds, sentence)
         with stopwatch.stage("abstraction"):
             failure, detail = judge(self.abstraction(outcome.c), promised, action, outcome)
-        return Attempt(action, failure, outcome.c, k, plan, tuple(rejections), stopwatch.seconds, detail)
+        return Attempt(action, failure, outcome.c, k, plan, rejections, stopwatch.seconds, detail)
 
     def _plan(
         self, c: Configuration, action: Action, rng: np.random.Generator, stopwatch: Stopwatch
-    ) -> tuple[Parameter | None, Motion | Refusal, list[Failure]]:
+    ) -> tuple[Parameter | None, Motion | Refusal, tuple[Failure, ...]]:
         """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
         refusals: list[Refusal] = []
         k = None
-        drawing = self._drawing(c, action, rng)
+        drawing = self.sampler.draws(c, action, rng)
         for _ in range(self.draws):
             with stopwatch.stage("sampling"):
                 drawn = next(drawing)
@@ -127,17 +102,9 @@ class Skills:
             with stopwatch.stage("motion"):
                 plan = self.skills[action.name].plan(c, action, k, rng)
             if not isinstance(plan, Refusal):
-                return k, plan, [refusal.failure for refusal in refusals]
+                return k, plan, tuple(refusal.failure for refusal in refusals)
             refusals.append(plan)
-        return k, refusals[-1], [refusal.failure for refusal in refusals[:-1]]
-
-    def _drawing(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
-        """Parameters for one attempt, one after the other."""
-        while True:
-            if isinstance(self.sampler, Ranking):
-                yield from self.sampler.ranked(c, action, rng)
-            else:
-                yield self.sampler.sample(c, action, rng)
+        return k, refusals[-1], tuple(refusal.failure for refusal in refusals[:-1])
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """k drawn uniformly from its range, the least that a sampler can know."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,12 +34,13 @@ class UniformSampler:
         self._world = world
         self._config = config
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter:
-        """One k; it never fails, but seldom fits."""
+    def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
+        """Any number of k; there always is one, but it seldom fits."""
         if action.name == "pick":
             half = self._world.upright(c, action.args[0]).size / 2
             low, high = -half, half
         else:
             half = np.append(self._world.top_size(c, action.args[1]) / 2, 0.0)
             low, high = -half, half + [0.0, 0.0, self._config.max_height]
-        return np.append(rng.uniform(low, high), rng.uniform(*self._config.yaw))
+        while True:
+            yield np.append(rng.uniform(low, high), rng.uniform(*self._config.yaw))

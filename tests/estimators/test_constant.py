@@ -6,13 +6,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action
+from ictamp_drake.core.types import Action, Skeleton
 from ictamp_drake.estimators.constant import ConstantConfig
 
 
 @given(st.floats(0, 1), st.integers(0, 5))
 def test_every_option_gets_the_same_probability(P: float, options: int) -> None:
-    estimates = ConstantConfig(P).create().estimate([("c", Action("pick", (str(i),))) for i in range(options)])
+    plans = [Skeleton((frozenset(), frozenset()), (Action("pick", (str(i),)),)) for i in range(options)]
+    estimates = ConstantConfig(P).create().estimate([("c", plan) for plan in plans])
     np.testing.assert_array_equal(estimates, [P] * options)
     assert estimates.dtype == np.float64
 

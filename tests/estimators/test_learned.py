@@ -7,7 +7,7 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Action, Configuration
+from ictamp_drake.core.types import Action, Configuration, Skeleton
 from ictamp_drake.estimators.p_score import PScore, PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.world.world import World
@@ -33,10 +33,14 @@ def config(request: pytest.FixtureRequest) -> Config:
     return CONFIGS[request.param]
 
 
-def options(world: World) -> list[tuple[Configuration, Action]]:
+def option(c: Configuration, action: Action) -> tuple[Configuration, Skeleton]:
+    return c, Skeleton((frozenset(), frozenset()), (action,))
+
+
+def options(world: World) -> list[tuple[Configuration, Skeleton]]:
     c, held = world.initial_configuration(), holding(world, "yellow_box")
-    picks = [(c, Action("pick", (box, "table"))) for box in ("cyan_box", "red_box", "blue_box")]
-    places = [(held, Action("place", ("yellow_box", where))) for where in ("rack", "table", "cyan_box")]
+    picks = [option(c, Action("pick", (box, "table"))) for box in ("cyan_box", "red_box", "blue_box")]
+    places = [option(held, Action("place", ("yellow_box", where))) for where in ("rack", "table", "cyan_box")]
     return [each for pair in zip(picks, places, strict=True) for each in pair]
 
 

@@ -179,7 +179,7 @@ def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
         (("--problems", "a:b"), "problems is 'a:b', but must be a number or a slice, e.g. 3, 0:5, 10: or :"),
         (("--problems", "55"), "problems is '55', but must select from the numbers 0 to 54"),
         (("--sampler", "best"), "sampler is 'best', but must be one of: policy, optimisation, uniform"),
-        (("--estimator", "q"), "estimator is 'q', but must be one of: p-score, q-value, constant"),
+        (("--estimator", "q"), "estimator is 'q', but must be one of: p-score, q-value, constant, monte-carlo"),
         (("--generator", "x"), "generator is 'x', but must be one of: breadth-first, best-first"),
         (("--time-limit", "-1"), "time-limit is -1 s, but must be between 0 and 1e+06 s"),
         (("--workers", "0"), "workers is 0, but must be between 1 and 1024"),

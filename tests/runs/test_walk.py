@@ -1,17 +1,21 @@
 """Random walks through training scenes."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.learning.dataset import Row
-from ictamp_drake.runs.walk import WalkConfig, walk
+from ictamp_drake.runs.walk import Sources, WalkConfig, walk
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import Abstraction
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.world import World
+from tests.learning.synthetic import untrained
 
 SHORT = WalkConfig(states=5, draws=2)
 SCENE = 0
@@ -57,11 +61,37 @@ def test_the_walk_goes_on_from_where_attempts_ended(rows: list[Row]) -> None:
 
 
 def test_all_sources_of_k_take_part() -> None:
-    found = walk(3, 0, replace(SHORT, states=4, draws=6, optimisation=0.4, perturbed=0.3, uniform=0.3))
+    found = walk(3, 0, replace(SHORT, states=4, draws=6, sources=Sources(4, 3, 3)))
     assert {row.sampler for row in found} == {"optimisation", "perturbed", "uniform"}
 
 
 def test_one_source_alone_can_be_chosen() -> None:
-    found = walk(3, 0, replace(SHORT, states=1, draws=3, optimisation=1.0, perturbed=0.0, uniform=0.0))
+    found = walk(3, 0, replace(SHORT, states=1, draws=3, sources=Sources(1, 0, 0)))
     assert {row.sampler for row in found} == {"optimisation"}
     assert all(np.isfinite(row.attempt.k).all() for row in found if row.attempt.k is not None)
+
+
+def test_trained_policies_are_compared_with_other_sources_attempt_by_attempt(tmp_path: Path) -> None:
+    folder = untrained(tmp_path)
+    sources = Sources(1, 0, 0, policy=1, best=1, product=1, reference=1)
+    config = replace(SHORT, states=2, draws=2, sources=sources, compare=True, checkpoints=folder, reference=folder)
+    found = walk(3, 0, config)
+    assert [row.sampler for row in found] == 4 * ["optimisation", "policy", "best", "product", "reference"]
+    assert all(len({(row.c, row.attempt.action) for row in found[start : start + 10]}) == 1 for start in (0, 10))
+    product = [row.attempt for row in found if row.sampler == "product"]
+    assert all(attempt.motion or len(attempt.rejections) == 15 for attempt in product)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Sources(policy=-1), "walk.sources.policy is -1, but must be between 0 and"),
+        (lambda: Sources(0, 0, 0), "the sum of walk.sources is 0, but must be between"),
+        (lambda: WalkConfig(draws=0), "walk.draws is 0, but must be between 1 and"),
+        (lambda: WalkConfig(sources=Sources(reference=1)), "walk.reference names no folder of checkpoints"),
+        (lambda: WalkConfig(sources=Sources(best=1), checkpoints=Path("/nowhere")).check(), "no such checkpoint"),
+    ],
+)
+def test_mistakes_are_answered_with_a_sentence(make: Callable[[], object], sentence: str) -> None:
+    with pytest.raises(IctampError, match=sentence):
+        make()

@@ -1,11 +1,13 @@
 """Noise on k."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice, repeat
 
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.core.types import Action, Parameter
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
 from ictamp_drake.world.world import World
 from tests.world.scenes import scene, standing
@@ -21,15 +23,15 @@ class Fixed:
 
     k: Parameter | Failure
 
-    def sample(self, c: Configuration, action: Action, rng: np.random.Generator) -> Parameter | Failure:  # noqa: ARG002
+    def draws(self, c: object, action: object, rng: object) -> Iterator[Parameter | Failure]:  # noqa: ARG002
         """It."""
-        return self.k
+        return repeat(self.k)
 
 
 def drawn(action: Action, config: PerturbedConfig = CONFIG) -> np.ndarray:
     rng = np.random.default_rng(0)
     sampler = PerturbedSampler(WORLD, Fixed(np.zeros(4)), config)
-    return np.array([sampler.sample(START, action, rng) for _ in range(500)])
+    return np.array(list(islice(sampler.draws(START, action, rng), 500)))
 
 
 def test_noise_has_small_and_large_deviations_and_stays_about_the_given_k() -> None:
@@ -53,5 +55,5 @@ def test_supports_leave_more_room_than_boxes() -> None:
 
 def test_no_k_stays_no_k() -> None:
     sampler = PerturbedSampler(WORLD, Fixed(Failure.GOAL_IN_COLLISION), CONFIG)
-    k = sampler.sample(START, Action("pick", ("blue_box", "red_box")), np.random.default_rng(0))
+    k = next(sampler.draws(START, Action("pick", ("blue_box", "red_box")), np.random.default_rng(0)))
     assert k is Failure.GOAL_IN_COLLISION

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,8 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.learning.models import load_skill
-from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
 from ictamp_drake.world.observation import Observer
-from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
 from tests.skills.rig import pick, place, rig
@@ -23,11 +22,6 @@ from tests.world.scenes import arranged, far_boxes, holding, pose, scene
 @pytest.fixture(scope="module")
 def world() -> World:
     return World(scene(far_boxes()))
-
-
-@pytest.fixture(scope="module")
-def arm(world: World) -> ArmKinematics:
-    return ArmKinematics(to_transform(world.spec.arm.X_WB))
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +39,13 @@ def situations(world: World) -> list[tuple[Configuration, Action]]:
 
 
 @pytest.mark.parametrize("candidates", [1, 16])
-def test_k_is_four_finite_numbers_that_the_seed_decides(
-    world: World, arm: ArmKinematics, checkpoints: Path, candidates: int
-) -> None:
-    sampler = PolicyConfig(checkpoints, candidates).create(world, arm)
+def test_k_is_four_finite_numbers_that_the_seed_decides(world: World, checkpoints: Path, candidates: int) -> None:
+    sampler = PolicyConfig(checkpoints, candidates).create(world)
     for c, action in situations(world):
         rng, again = np.random.default_rng(0), np.random.default_rng(0)
-        first = [sampler.sample(c, action, rng) for _ in range(3)]
-        second = [PolicyConfig(checkpoints, candidates).create(world, arm).sample(c, action, again) for _ in range(3)]
+        first = [next(sampler.draws(c, action, rng)) for _ in range(3)]
+        other = PolicyConfig(checkpoints, candidates).create(world)
+        second = [next(other.draws(c, action, again)) for _ in range(3)]
         np.testing.assert_array_equal(first, second)
         assert np.shape(first) == (3, 4)
         assert first[0].dtype == np.float64
@@ -60,15 +53,14 @@ def test_k_is_four_finite_numbers_that_the_seed_decides(
         assert not np.isclose(first[0], first[1]).any()
 
 
-def test_the_best_of_the_candidates_is_taken(world: World, arm: ArmKinematics, checkpoints: Path) -> None:
-    sampler = PolicyConfig(checkpoints, 16).create(world, arm)
+def test_the_best_of_the_candidates_is_taken(world: World, checkpoints: Path) -> None:
+    sampler = PolicyConfig(checkpoints, 16).create(world)
     for c, action in situations(world):
         model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
         candidates = model.draw(observation, 16, np.random.default_rng(5))
         Q = model.Q(observation, candidates)[0]
-        k = sampler.sample(c, action, np.random.default_rng(5))
-        np.testing.assert_array_equal(k, candidates[0, Q.argmax()])
-        ranked = sampler.ranked(c, action, np.random.default_rng(5))
+        ranked = list(islice(sampler.draws(c, action, np.random.default_rng(5)), 16))
+        np.testing.assert_array_equal(ranked[0], candidates[0, Q.argmax()])
         np.testing.assert_array_equal(ranked, candidates[0, np.argsort(-Q)])
 
 
@@ -79,8 +71,8 @@ class Noted(PolicySampler):
         vars(self).update(vars(sampler))
         self.asked: list[int] = []
 
-    def ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
-        found = super().ranked(c, action, rng)
+    def _ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
+        found = super()._ranked(c, action, rng)
         self.asked.append(len(found))
         return found
 
@@ -99,20 +91,20 @@ def test_an_attempt_tries_the_candidates_before_it_asks_for_more(
     assert len(attempt.rejections) == draws - 1
     assert noted.asked == asked
     if candidates == 16:
-        ranked = skills.sampler.ranked(far, action, np.random.default_rng(0))
-        np.testing.assert_array_equal(attempt.k, ranked[draws - 1])
+        ranked = skills.sampler.draws(far, action, np.random.default_rng(0))
+        np.testing.assert_array_equal(attempt.k, next(islice(ranked, draws - 1, None)))
 
 
-def test_one_candidate_is_the_policys_plain_draw(world: World, arm: ArmKinematics, checkpoints: Path) -> None:
+def test_one_candidate_is_the_policys_plain_draw(world: World, checkpoints: Path) -> None:
     c, action = situations(world)[0]
     observation = Observer(world.spec).observe_all([(c, action)])
     draw = load_skill(checkpoints, "pick").draw(observation, 1, np.random.default_rng(2))[0, 0]
-    sampler = PolicyConfig(checkpoints, 1).create(world, arm)
-    np.testing.assert_array_equal(sampler.sample(c, action, np.random.default_rng(2)), draw)
+    sampler = PolicyConfig(checkpoints, 1).create(world)
+    np.testing.assert_array_equal(next(sampler.draws(c, action, np.random.default_rng(2))), draw)
 
 
-def test_mistakes_are_answered_with_a_sentence(world: World, arm: ArmKinematics, tmp_path: Path) -> None:
+def test_mistakes_are_answered_with_a_sentence(world: World, tmp_path: Path) -> None:
     with pytest.raises(IctampError, match=r"pick_policy.safetensors: there is no such checkpoint"):
-        PolicyConfig(tmp_path).create(world, arm)
+        PolicyConfig(tmp_path).create(world)
     with pytest.raises(IctampError, match=r"samplers.policy.candidates is 0, but must be between 1 and 4096"):
         PolicyConfig(candidates=0)

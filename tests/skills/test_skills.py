@@ -1,6 +1,7 @@
 """Pick and Place in physics: where they must succeed, why they refuse, and what an attempt records."""
 
-from itertools import pairwise
+from collections.abc import Iterator
+from itertools import pairwise, repeat
 
 import numpy as np
 import pytest
@@ -226,8 +227,8 @@ class _Fixed:
     def create(self, world: object, arm: object) -> "_Fixed":  # noqa: ARG002  (the protocol's)
         return self
 
-    def sample(self, c: object, action: object, rng: object) -> np.ndarray:  # noqa: ARG002  (the protocol's)
-        return self._k
+    def draws(self, c: object, action: object, rng: object) -> Iterator[np.ndarray]:  # noqa: ARG002  (the protocol's)
+        return repeat(self._k)
 
 
 @pytest.fixture(scope="module")
