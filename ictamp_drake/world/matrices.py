@@ -28,6 +28,21 @@ def inverse(X: FloatArray) -> FloatArray:
     return X_inverse
 
 
+def level(parameter: FloatArray) -> FloatArray:
+    """Homogeneous matrices of frames turned about z alone, (x, y, z, yaw) of shape (n, 4) [m, rad] -> (n, 4, 4)."""
+    X = np.zeros((len(parameter), 4, 4))
+    c, s = np.cos(parameter[:, 3]), np.sin(parameter[:, 3])
+    X[:, 0, 0], X[:, 0, 1], X[:, 1, 0], X[:, 1, 1] = c, -s, s, c
+    X[:, :3, 3] = parameter[:, :3]
+    X[:, 2, 2] = X[:, 3, 3] = 1.0
+    return X
+
+
+def grasps(k: FloatArray) -> FloatArray:
+    """X_UG of grasps from above, shape (n, 4) [m, rad] -> (n, 4, 4): G's z points down, its x along yaw."""
+    return level(k) * [1.0, -1.0, -1.0, 1.0]
+
+
 def all_upright(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
     """X_WU, the sides along U's axes, and which boxes stand upright: `frames.upright` for many boxes at once.
 

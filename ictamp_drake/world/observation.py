@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.matrices import all_upright, flat, forward, inverse, to_matrices
+from ictamp_drake.world.situations import ABSENT, Numbers, Situations, Steps
 
 ROWS = 8
 """Objects in a matrix at most."""
@@ -114,12 +115,6 @@ _ROLE = [SCHEMA.index(f"is_{role}") for role in ROLES]
 _SCALES = SCHEMA.scales
 
 
-ABSENT = -1
-"""Number of no object."""
-
-Numbers = NDArray[np.intp]
-
-
 class Observation(NamedTuple):
     """Primitive state matrices.
 
@@ -155,98 +150,69 @@ class Observer:
         """The matrices of n options, shape (n, 8, D), and their masks, shape (n, 8), in one go."""
         if not options:
             return Observation(np.zeros((0, ROWS, SCHEMA.width), np.float32), np.zeros((0, ROWS), bool))
-        distinct = {c: number for number, c in enumerate(dict.fromkeys(c for c, _ in options))}
-        layout = self._layout(list(distinct)).at([distinct[c] for c, _ in options])
-        picks = np.array([action.name == "pick" for _, action in options])
-        box, place = np.array([[self._number[name] for name in action.args] for _, action in options]).T
-        first = np.stack([box, layout.held, place], axis=1)
-        first[~picks, :2] = np.stack([np.full_like(box, ABSENT), box], axis=1)[~picks]
-        first[picks & (first[:, 1] == box), 1] = ABSENT
-        rows = layout.rows(first, np.where(picks, box, first[:, 1]), place)
-        X_BK = np.where(picks[:, None, None], layout.X_BU[_all(box), box], layout.tops(place))
-        return _observation(layout, rows, X_BK)
+        return self.see(self.situations([c for c, _ in options]), self.steps([action for _, action in options]))
 
-    def _layout(self, configurations: Sequence[Configuration]) -> "_Layout":
-        """All objects, boxes and then supports, of each configuration."""
-        count, boxes = len(configurations), len(self._boxes)
-        poses = np.array([[c.poses[name] for name in self._boxes] for c in configurations])
+    def situations(self, configurations: Sequence[Configuration]) -> Situations:
+        """Where all objects and the hand are in each configuration."""
+        distinct = {c: number for number, c in enumerate(dict.fromkeys(configurations))}
+        poses = np.array([[c.poses[name] for name in self._boxes] for c in distinct])
         X_WU, sizes, upright = all_upright(to_matrices(poses), self._sizes)
-        X_BU = np.concatenate([self._X_BW @ X_WU, np.broadcast_to(self._X_BS, (count, *self._X_BS.shape))], axis=1)
-        support_sizes = np.broadcast_to(self._support_sizes, (count, *self._support_sizes.shape))
-        columns = np.zeros((*X_BU.shape[:2], SCHEMA.width))
-        columns[..., _BASE] = flat(X_BU)
-        columns[:, :boxes, _BOX] = sizes
-        columns[:, boxes:, _SUPPORT] = support_sizes
-        columns[:, boxes:, _IS_SUPPORT] = 1.0
-        columns[:, :boxes, _IS_TIPPED] = ~upright
-        return _Layout(
-            X_BU,
-            np.concatenate([sizes, support_sizes], axis=1),
-            columns,
-            forward(np.array([c.q[:7] for c in configurations])),
-            np.array([ABSENT if c.held is None else self._number[c.held] for c in configurations]),
+        count, supports = len(distinct), len(self._X_BS)
+        found = Situations(
+            np.concatenate([self._X_BW @ X_WU, np.broadcast_to(self._X_BS, (count, supports, 4, 4))], axis=1),
+            np.concatenate([sizes, np.broadcast_to(self._support_sizes, (count, supports, 3))], axis=1),
+            np.concatenate([~upright, np.zeros((count, supports), bool)], axis=1),
+            forward(np.array([c.q[:7] for c in distinct])),
+            np.array([ABSENT if c.held is None else self._number[c.held] for c in distinct]),
         )
+        return found.at(np.array([distinct[c] for c in configurations]))
 
+    def steps(self, actions: Sequence[Action]) -> Steps:
+        """The actions in numbers."""
+        box, place = np.array([[self._number[name] for name in action.args] for action in actions]).T
+        return Steps(np.array([action.name == "pick" for action in actions]), box, place)
 
-class _Layout(NamedTuple):
-    """All m objects of n configurations.
+    def moved(self, options: Sequence[tuple[Configuration, Action]], X_WO: FloatArray) -> FloatArray:
+        """(x, y, z, yaw) of U of each action's box in the target frame K of c, when it is at X_WO afterwards.
 
-    Attributes:
-        X_BU: shape (n, m, 4, 4).
-        sizes: along U's axes, shape (n, m, 3) [m].
-        columns: what does not depend on the action, not yet scaled, shape (n, m, D).
-        X_BG: of the hand, shape (n, 4, 4).
-        held: number of the held box, shape (n,).
-    """
+        How far it is tilted against K is left out.
 
-    X_BU: FloatArray
-    sizes: FloatArray
-    columns: FloatArray
-    X_BG: FloatArray
-    held: Numbers
+        Args:
+            options: n of them.
+            X_WO: shape (n, 7).
 
-    def at(self, numbers: Sequence[int]) -> "_Layout":
-        """Some of the configurations, maybe repeatedly."""
-        X_BU, sizes, columns, X_BG, held = self
-        return _Layout(X_BU[numbers], sizes[numbers], columns[numbers], X_BG[numbers], held[numbers])
-
-    def tops(self, number: Numbers) -> FloatArray:
-        """X_BT of one object of each configuration, shape (n, 4, 4)."""
-        X_BT = self.X_BU[_all(number), number].copy()
-        X_BT[:, :3, 3] += X_BT[:, :3, 2] * self.sizes[_all(number), number, 2:] / 2
-        return X_BT
-
-    def rows(self, first: Numbers, box: Numbers, place: Numbers) -> Numbers:
-        """Numbers of the objects in each row, shape (n, 8): the first three as given, then the nearest others.
-
-        An object is as near as its surface is to the box's centre or to the centre of the place's top.
+        Returns:
+            Shape (n, 4) [m, rad].
         """
-        p_B = np.stack([self.X_BU[_all(box), box, :3, 3], self.tops(place)[:, :3, 3]], axis=1)
-        offset = p_B[:, None] - self.X_BU[:, :, None, :3, 3]
-        p_U = np.einsum("nmji,nmkj->nmki", self.X_BU[..., :3, :3], offset)
-        outside = np.maximum(np.abs(p_U) - self.sizes[:, :, None] / 2, 0.0)
-        distance = np.sqrt(np.einsum("nmki,nmki->nmk", outside, outside)).min(axis=2).round(6)
-        option, column = np.nonzero(first != ABSENT)
-        distance[option, first[option, column]] = np.inf
-        order = np.lexsort((*np.moveaxis(self.X_BU[..., :3, 3], 2, 0), distance))  # names decide nothing, not even ties
-        order[np.isinf(np.take_along_axis(distance, order, axis=1))] = ABSENT
-        return np.concatenate([first, order, np.full((len(first), ROWS), ABSENT)], axis=1)[:, :ROWS]
+        steps = self.steps([action for _, action in options])
+        X_BK = self.situations([c for c, _ in options]).targets(steps)
+        X_WU, _, _ = all_upright(to_matrices(X_WO), self._sizes[steps.box])
+        X_KU = inverse(X_BK) @ self._X_BW @ X_WU
+        return np.column_stack([X_KU[:, :3, 3], np.arctan2(X_KU[:, 1, 0], X_KU[:, 0, 0])])
 
+    def see(self, situations: Situations, steps: Steps) -> Observation:
+        """The matrices of n situations, actual or imagined, and actions."""
+        picks, box, place = steps
+        held = np.where(picks & (situations.held == box), ABSENT, situations.held)
+        first = np.stack([np.where(picks, box, ABSENT), np.where(picks, held, box), place], axis=1)
+        order = situations.nearest(first, box, place)
+        rows = np.concatenate([first, order, np.full((len(first), ROWS), ABSENT)], axis=1)[:, :ROWS]
+        return self._observation(situations, rows, situations.targets(steps))
 
-def _observation(layout: _Layout, rows: Numbers, X_BK: FloatArray) -> Observation:
-    mask = rows != ABSENT
-    option, row = np.nonzero(mask)
-    chosen = rows[mask]
-    values = layout.columns[option, chosen]
-    X_BU = layout.X_BU[option, chosen]
-    values[:, _TARGET] = flat(inverse(X_BK)[option] @ X_BU)
-    values[np.arange(len(values)), np.take(_ROLE, np.minimum(row, 3))] = 1.0
-    held = row == 1
-    values[held, _HAND] = flat(inverse(layout.X_BG)[option[held]] @ X_BU[held])
-    matrix = np.zeros((*mask.shape, SCHEMA.width), dtype=np.float32)
-    matrix[mask] = values / _SCALES
-    return Observation(matrix, mask)
-
-
-def _all(numbers: Numbers) -> Numbers:
-    return np.arange(len(numbers))
+    def _observation(self, situations: Situations, rows: Numbers, X_BK: FloatArray) -> Observation:
+        mask = rows != ABSENT
+        (option, row), number = np.nonzero(mask), rows[mask]
+        X_BU, sizes = situations.X_BU[option, number], situations.sizes[option, number]
+        support, held = number >= len(self._boxes), row == 1
+        values = np.zeros((len(number), SCHEMA.width))
+        values[:, _BASE] = flat(X_BU)
+        values[:, _TARGET] = flat(inverse(X_BK)[option] @ X_BU)
+        values[~support, _BOX] = sizes[~support]
+        values[support, _SUPPORT] = sizes[support]
+        values[:, _IS_SUPPORT] = support
+        values[:, _IS_TIPPED] = situations.tipped[option, number]
+        values[np.arange(len(values)), np.take(_ROLE, np.minimum(row, 3))] = 1.0
+        values[held, _HAND] = flat(inverse(situations.X_BG)[option[held]] @ X_BU[held])
+        matrix = np.zeros((*mask.shape, SCHEMA.width), dtype=np.float32)
+        matrix[mask] = values / _SCALES
+        return Observation(matrix, mask)

@@ -3,12 +3,12 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
 from ictamp_drake.world.frames import upright
-from ictamp_drake.world.matrices import all_upright, flat, forward, inverse, to_matrices
+from ictamp_drake.world.matrices import all_upright, flat, forward, grasps, inverse, level, to_matrices
 from ictamp_drake.world.poses import to_transform
 
 seeds = st.integers(0, 2**32 - 1)
@@ -29,6 +29,16 @@ def test_matrices_of_poses(seed: int) -> None:
 def test_a_matrix_and_its_inverse_cancel(seed: int) -> None:
     X = to_matrices(poses(seed))
     np.testing.assert_allclose(inverse(X) @ X, np.broadcast_to(np.eye(4), X.shape), atol=1e-12)
+
+
+@given(seeds)
+def test_frames_turned_about_the_vertical_and_the_hand_pointing_down(seed: int) -> None:
+    k = np.random.default_rng(seed).normal(size=(4, 4))
+    for each, X, X_UG in zip(k, level(k), grasps(k), strict=True):
+        turned = RigidTransform(RotationMatrix.MakeZRotation(each[3]), each[:3])
+        np.testing.assert_allclose(X, turned.GetAsMatrix4(), atol=1e-12)
+        down = turned @ RigidTransform(RotationMatrix.MakeXRotation(np.pi), np.zeros(3))
+        np.testing.assert_allclose(X_UG, down.GetAsMatrix4(), atol=1e-12)
 
 
 @given(seeds)

@@ -209,6 +209,22 @@ def test_all_at_once_is_the_same_as_one_by_one() -> None:
         np.testing.assert_array_equal(together.mask[number], alone.mask)
 
 
+@given(numbers, angles, shifts)
+def test_where_a_box_went_is_told_in_the_target_frame(number: int, yaw: float, x: float) -> None:
+    spec = training_scene(number)
+    observer, c, box = Observer(spec), resting(spec), min(spec.boxes)
+    lying = upright(c.poses[box], spec.boxes[box].size)
+    turn = RigidTransform(RotationMatrix.MakeZRotation(yaw), [x, 0.2, 0.04])
+    for action, X_WK in (
+        (Action("pick", (box, "table")), lying.X_WU),
+        (Action("place", (box, "table")), to_transform(spec.supports["table"].X_WT)),
+    ):
+        X_WO = X_WK @ turn @ lying.X_WU.inverse() @ to_transform(c.poses[box])
+        found = observer.moved([(c, action)], to_pose(X_WO)[None])[0]
+        np.testing.assert_allclose(found[:3], [x, 0.2, 0.04], atol=1e-9)
+        np.testing.assert_allclose(np.exp(1j * found[3]), np.exp(1j * yaw), atol=1e-9)
+
+
 def test_numbers_are_about_one() -> None:
     for level in ("easy", "medium", "hard"):
         for number in range(10):
