@@ -1,6 +1,6 @@
 """Recorded attempts as tensors, split by scene."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ class Batch:
         mask: shape (n, 8).
         k: shape (n, 4).
         success: 0 or 1, shape (n,).
+        moved: (x, y, z, yaw) of the action's box afterwards, nan where unknown, shape (n, 4), see `Attempts`.
         weight: of each attempt for each member of an ensemble, shape (n, members).
     """
 
@@ -31,6 +32,7 @@ class Batch:
     mask: Tensor
     k: Tensor
     success: Tensor
+    moved: Tensor
     weight: Tensor
 
     def __len__(self) -> int:
@@ -43,7 +45,7 @@ class Batch:
     def bootstrapped(self, members: int, rng: np.random.Generator) -> "Batch":
         """Each member of an ensemble sees a sample of its own, drawn with replacement (Poisson's approximation)."""
         weight = torch.from_numpy(rng.poisson(1.0, (len(self), members)).astype(np.float32))
-        return Batch(self.matrix, self.mask, self.k, self.success, weight)
+        return replace(self, weight=weight)
 
 
 class Split(NamedTuple):
@@ -52,6 +54,10 @@ class Split(NamedTuple):
     training: Batch
     validation: Batch
     test: Batch
+
+    def successes(self) -> "Split":
+        """Without the failures."""
+        return Split(*(part.rows(part.success > 0) for part in self))
 
 
 def split(attempts: Attempts) -> Split:
@@ -82,5 +88,6 @@ def split(attempts: Attempts) -> Split:
 def batch(attempts: Attempts) -> Batch:
     """All attempts with equal weights."""
     success = torch.from_numpy(attempts.success.astype(np.float32))
-    matrix, mask, k = (torch.from_numpy(array) for array in (attempts.matrix, attempts.mask, attempts.k))
-    return Batch(matrix, mask, k, success, torch.ones(len(attempts), 1))
+    arrays = (attempts.matrix, attempts.mask, attempts.k, attempts.moved)
+    matrix, mask, k, moved = (torch.from_numpy(array) for array in arrays)
+    return Batch(matrix, mask, k, success, moved, torch.ones(len(attempts), 1))

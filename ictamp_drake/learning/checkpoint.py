@@ -30,7 +30,12 @@ K_SCHEMA = {
 """How networks read and write k; a new version of `learning.parameters` needs another one here."""
 
 _METADATA = "ictamp_drake"
-Kind = Literal["policy", "estimator"]
+Kind = Literal["policy", "estimator", "dynamics"]
+_PROGRAMS: Mapping[Kind, str] = {
+    "policy": "train_skill",
+    "estimator": "train_estimator",
+    "dynamics": "train_dynamics",
+}
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -39,7 +44,7 @@ class Checkpoint:
     """What was learned for one skill.
 
     Attributes:
-        kind: policy, with the critics that it was trained on, or estimator of P.
+        kind: policy, with the critics that it was trained on, estimator of P, or dynamics.
         skill: pick or place.
         arrays: the numbers.
         network: configuration of the networks.
@@ -76,7 +81,7 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
     """
     path = folder / name_of(kind, skill)
     if not path.is_file():
-        program = "train_skill" if kind == "policy" else "train_estimator"
+        program = _PROGRAMS[kind]
         raise IctampError(
             f"{path}: there is no such checkpoint; train one with experiments.{program} or name its folder"
         )

@@ -49,9 +49,8 @@ class Classifier(nn.Module):
         """
         if not self.sees_k or k is None:
             return self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[..., 0]
-        seen = parameters.seen_from(matrix, k)
-        features = parameters.features(self.skill, matrix, k)
-        return self.network(torch.cat([matrix, seen], dim=-1), mask, features)[..., 0]
+        rows, extra = parameters.with_k(self.skill, matrix, k)
+        return self.network(rows, mask, extra)[..., 0]
 
     def belief(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Belief:
         """Calibrated probabilities, shape (n,)."""

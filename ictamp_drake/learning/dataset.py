@@ -188,6 +188,8 @@ class Attempts:
         mask: shape (n, 8).
         k: shape (n, 4).
         success: whether the promised state was reached, shape (n,).
+        moved: (x, y, z, yaw) of the upright frame U of the action's box in c', in the target frame K of c, where its
+            tilt is left out; nan where c' is unknown, shape (n, 4) [m, rad].
         executed: in physics, shape (n,); those that are not were refused by motion planning.
         scene: number of the training scene, by which data are split, shape (n,).
         state: number of c in its scene, shape (n,).
@@ -200,6 +202,7 @@ class Attempts:
     mask: NDArray[np.bool_]
     k: NDArray[np.float32]
     success: NDArray[np.bool_]
+    moved: NDArray[np.float32]
     executed: NDArray[np.bool_]
     scene: NDArray[np.int32]
     state: NDArray[np.int16]
@@ -236,12 +239,13 @@ def load(folder: Path, skill: str | None = None) -> Attempts:
 
 
 def _attempts(batch: pa.RecordBatch) -> Attempts:
-    observation = _observed(batch)
+    observation, moved = _observed(batch)
     failure = batch["failure"].cast(pa.string())
     return Attempts(
         *observation,
         k=batch["k"].flatten().to_numpy(zero_copy_only=False).reshape(-1, 4),
         success=failure.is_null().to_numpy(zero_copy_only=False),
+        moved=moved,
         executed=batch["executed"].to_numpy(zero_copy_only=False),
         scene=batch["scene"].to_numpy(),
         state=batch["state"].to_numpy(),
@@ -255,14 +259,22 @@ def _words(column: pa.Array) -> NDArray[np.str_]:
     return np.array(column.cast(pa.string()).fill_null("").to_pylist(), dtype=np.str_)
 
 
-def _observed(batch: pa.RecordBatch) -> Observation:
-    """The matrices of the rows, which are sorted by scene."""
-    rows = batch.select(["spec", "q", "poses", "held", "gripper", "action", "box", "place"]).to_pylist()
-    groups = [list(group) for _, group in groupby(rows, key=itemgetter("spec"))]
-    seen = [observer(group[0]["spec"]).observe_all([(configuration(r), action(r)) for r in group]) for group in groups]
+def _observed(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
+    """The matrices of the rows, which are sorted by scene, and where their boxes went."""
+    rows = batch.select(["spec", "q", "poses", "held", "gripper", "action", "box", "place", "moved"]).to_pylist()
+    seen = [_of_scene(list(group)) for _, group in groupby(rows, key=itemgetter("spec"))]
     if not seen:
-        return Observation(np.zeros((0, ROWS, SCHEMA.width), np.float32), np.zeros((0, ROWS), bool))
-    return Observation(np.concatenate([s.matrix for s in seen]), np.concatenate([s.mask for s in seen]))
+        nothing = np.zeros((0, ROWS, SCHEMA.width), np.float32)
+        return Observation(nothing, np.zeros((0, ROWS), bool)), np.zeros((0, 4), np.float32)
+    matrix, mask, moved = (np.concatenate(parts) for parts in zip(*seen, strict=True))
+    return Observation(matrix, mask), moved
+
+
+def _of_scene(rows: Sequence[Mapping[str, Any]]) -> tuple[NDArray[Any], ...]:
+    """Matrices, masks and where the boxes went, of rows of one scene."""
+    watching, options = observer(rows[0]["spec"]), [(configuration(row), action(row)) for row in rows]
+    X_WO = np.array([row["moved"] or [np.nan] * 7 for row in rows])
+    return *watching.observe_all(options), watching.moved(options, X_WO).astype(np.float32)
 
 
 @lru_cache(maxsize=256)

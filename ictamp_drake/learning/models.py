@@ -15,6 +15,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.learning.checkpoint import Arrays, load, name_of
 from ictamp_drake.learning.classifier import Classifier
+from ictamp_drake.learning.dynamics import Dynamics
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.parameters import parameter
 from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
@@ -58,6 +59,19 @@ class EstimatorModel:
         return torch.stack(belief).numpy().astype(np.float64)
 
 
+@dataclass(frozen=True, eq=False)
+class DynamicsModel:
+    """What was learned of what one skill does to the box: T(matrix, k)."""
+
+    dynamics: Dynamics
+
+    def moved(self, observation: Observation, k: FloatArray) -> FloatArray:
+        """(x, y, z, yaw) of U of the action's box in the target frame after a success, (n, 4) -> (n, 4) [m, rad]."""
+        with torch.inference_mode():
+            moved = self.dynamics(*tensors(observation), torch.from_numpy(k.astype(np.float32)))
+        return moved.numpy().astype(np.float64)
+
+
 def tensors(observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
     """Matrix and mask for the networks."""
     return torch.from_numpy(observation.matrix), torch.from_numpy(observation.mask)
@@ -90,6 +104,20 @@ def load_estimator(folder: Path, skill: str) -> EstimatorModel:
     with _described(path):
         estimator = Classifier(skill, NetworkConfig(**found.network), sees_k=False)
     return EstimatorModel(_filled(estimator, found.arrays, "", path))
+
+
+def load_dynamics(folder: Path, skill: str) -> DynamicsModel:
+    """The trained dynamics of a skill.
+
+    Raises:
+        IctampError: see `checkpoint.load`.
+    """
+    torch.set_num_threads(1)
+    found = load(folder, "dynamics", skill)
+    path = folder / name_of("dynamics", skill)
+    with _described(path):
+        dynamics = Dynamics(skill, NetworkConfig(**found.network))
+    return DynamicsModel(_filled(dynamics, found.arrays, "", path))
 
 
 def policy_network(values: Mapping[str, Any]) -> PolicyNetworkConfig:

@@ -1,4 +1,4 @@
-"""What is minimised: the cross entropy of a classifier, and the loss of a policy."""
+"""What is minimised: the cross entropy of a classifier, the loss of a policy, and the error of dynamics."""
 
 import copy
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from torch.nn.functional import binary_cross_entropy_with_logits as cross_entrop
 
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.classifier import Classifier
+from ictamp_drake.learning.dynamics import Dynamics, error
 from ictamp_drake.learning.parameters import normalised, parameter
 from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
 from ictamp_drake.scenes.checks import check_range
@@ -44,6 +45,25 @@ class Classification:
         """Cross entropy of the ensemble's mean."""
         P = self.module.belief(batch.matrix, batch.mask, batch.k).mean
         return {"loss": nn.functional.binary_cross_entropy(P, batch.success).item()}
+
+
+class Prediction:
+    """Error of dynamics in units of its scales, with little weight on the few boxes that went quite elsewhere.
+
+    All attempts must be successes.
+    """
+
+    def __init__(self, dynamics: Dynamics) -> None:
+        self.module = dynamics
+
+    def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:  # noqa: ARG002  (nothing is random)
+        """Mean over attempts and the four numbers of a pose."""
+        scaled = error(self.module(batch.matrix, batch.mask, batch.k), batch.moved) / self.module.scales
+        return nn.functional.smooth_l1_loss(scaled, torch.zeros_like(scaled), beta=0.1)
+
+    def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
+        """The same loss."""
+        return {"loss": self.loss(batch, generator).item()}
 
 
 @dataclass(frozen=True)

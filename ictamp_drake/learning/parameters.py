@@ -29,7 +29,7 @@ _BASE_SCALE, _TARGET_SCALE, _BOX_SCALE, _SUPPORT_SCALE = (
 def ranges(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
     """Middle and half of the range of (x, y, z) [m], each of shape (n, 3), from matrices of shape (n, 8, D)."""
     row = matrix[:, 0 if skill == "pick" else 2]
-    half = _sides(row) / 2
+    half = sides(row) / 2
     middle = torch.zeros_like(half)
     if skill == "place":
         middle[:, 2], half[:, 2] = PLACE_HEIGHT
@@ -77,7 +77,7 @@ def _fine(distance: Tensor, scale: float) -> Tensor:
 def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     """Position in B, horizontal distance from the base, and the direction of yaw against the way to it, (n, 6)."""
     row = matrix[:, 0 if skill == "pick" else 2]
-    rise = 0.0 if skill == "pick" else _sides(row)[:, 2:] / 2  # from the middle of the receptacle to its top
+    rise = 0.0 if skill == "pick" else sides(row)[:, 2:] / 2  # from the middle of the receptacle to its top
     p, R = row[:, _BASE][:, :3] * _BASE_SCALE, _axes(row[:, _BASE])
     p_B = p + R[..., 0] * k[:, :1] + R[..., 1] * k[:, 1:2] + R[..., 2] * (k[:, 2:3] + rise)
     distance = p_B[:, :2].norm(dim=-1, keepdim=True)
@@ -87,7 +87,7 @@ def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     return torch.cat([p_B / _BASE_SCALE, distance / _BASE_SCALE, torch.stack(direction, dim=-1)], dim=-1)
 
 
-def _sides(rows: Tensor) -> Tensor:
+def sides(rows: Tensor) -> Tensor:
     """Sides of boxes and supports along U's axes [m], shape (..., D) -> (..., 3)."""
     return rows[..., _BOX] * _BOX_SCALE + rows[..., _SUPPORT] * _SUPPORT_SCALE
 
@@ -96,6 +96,11 @@ def _axes(pose: Tensor) -> Tensor:
     """Rotation matrix of nine numbers of a pose, shape (..., 9) -> (..., 3, 3)."""
     x, y = pose[..., 3:6], pose[..., 6:9]
     return torch.stack([x, y, torch.linalg.cross(x, y)], dim=-1)
+
+
+def with_k(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
+    """What a network is given that sees k too: rows, (n, 8, D + SEEN), and numbers of k itself, (n, FEATURES)."""
+    return torch.cat([matrix, seen_from(matrix, k)], dim=-1), features(skill, matrix, k)
 
 
 def seen_from(matrix: Tensor, k: Tensor) -> Tensor:
@@ -111,4 +116,4 @@ def seen_from(matrix: Tensor, k: Tensor) -> Tensor:
     x, y = vectors[..., 0], vectors[..., 1]
     pose = torch.stack([cos * x + sin * y, cos * y - sin * x, vectors[..., 2]], dim=-1).flatten(-2)
     p_O = (R * p_KO[..., None]).sum(dim=-2)
-    return torch.cat([pose, _fine(p_O.abs() - _sides(matrix) / 2, 0.01)], dim=-1)
+    return torch.cat([pose, _fine(p_O.abs() - sides(matrix) / 2, 0.01)], dim=-1)

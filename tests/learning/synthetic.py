@@ -8,18 +8,23 @@ import torch
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
+from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import Checkpoint
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dataset import Row, scene_text, write
+from ictamp_drake.learning.dynamics import Dynamics, nominal
 from ictamp_drake.learning.models import arrays_of
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.policies import PolicyNetworkConfig
 from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.world.frames import upright
 from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
+from ictamp_drake.world.situations import LIFT
 
 MOTION = (Segment("stay", 0.1, GripperCommand(0.08), 1, np.array([0.0, 0.1]), np.zeros((1, 7))),)
 SIZE = NetworkConfig(members=2, width=16)
-POLICY = PolicyNetworkConfig(components=3, network=NetworkConfig(members=1, width=16))
+ONE = NetworkConfig(members=1, width=16)
+POLICY = PolicyNetworkConfig(components=3, network=ONE)
 PROVENANCE = {"command": "python", "data": "none"}
 
 
@@ -27,6 +32,15 @@ def succeeds(matrix: FloatArray, k: FloatArray) -> bool:
     """The rule: the grasp is near the middle along the box's x axis, and the box is not far to the left."""
     depth, y = matrix[0, SCHEMA.index("box_x")] * 0.1, matrix[0, SCHEMA.index("base_y")] * 0.7
     return bool(abs(k[0]) < depth / 4 and y < 0.2)
+
+
+def centred(c: Configuration, box: str, size: tuple[float, float, float], k: FloatArray) -> Configuration:
+    """c after the box was lifted, where the fingers, closing on it, took its middle along their direction to theirs."""
+    lying = upright(c.poses[box], size)
+    fingers = np.array([-np.sin(k[3]), np.cos(k[3]), 0.0])
+    shift = lying.X_WU.rotation().matrix() @ (fingers * (fingers @ k[:3])) + [0.0, 0.0, LIFT]
+    pose = c.poses[box] + np.concatenate([np.zeros(4), shift])
+    return Configuration(c.q, {**c.poses, box: pose}, box, c.gripper)
 
 
 def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
@@ -43,13 +57,15 @@ def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
             half = matrix[0, SCHEMA.group("box")] * 0.1 / 2
             k = np.append(rng.uniform(-half, half), rng.uniform(-np.pi, np.pi))
             failure = None if succeeds(matrix, k) else Failure.NOT_GRASPED
-            rows.append(Row(number, text, 0, draw, "uniform", c, Attempt(action, failure, c, k, MOTION)))
+            after = centred(c, action.args[0], spec.boxes[action.args[0]].size, k)
+            attempt = Attempt(action, failure, after, k, MOTION)
+            rows.append(Row(number, text, 0, draw, "uniform", c, attempt))
     folder.mkdir(parents=True, exist_ok=True)
     write(rows, folder / "all.parquet")
 
 
 def untrained(folder: Path) -> Path:
-    """A folder with a policy and an estimator of each skill that have their starting weights."""
+    """A folder with a policy, an estimator and dynamics of each skill that have their starting weights."""
     torch.manual_seed(0)
     for skill in ("pick", "place"):
         critic, policy = Classifier(skill, SIZE, sees_k=True), POLICY.create()
@@ -58,6 +74,8 @@ def untrained(folder: Path) -> Path:
         Checkpoint("policy", skill, arrays, network, PROVENANCE, {"auc": 0.5}).save(folder)
         estimator = Classifier(skill, SIZE, sees_k=False)
         Checkpoint("estimator", skill, arrays_of(estimator), asdict(SIZE), PROVENANCE, {}).save(folder)
+        dynamics = Dynamics(skill, ONE)
+        Checkpoint("dynamics", skill, arrays_of(dynamics), asdict(ONE), PROVENANCE, {}).save(folder)
     return folder
 
 
@@ -71,3 +89,14 @@ def matrices(count: int = 6, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]
     sides.copy_(sides.abs() + 0.1)
     matrix[:, :, SCHEMA.group("support")] = 0.0
     return matrix * mask[..., None], mask
+
+
+def displaced(skill: str, count: int, seed: int) -> Batch:
+    """Successes after which the box is off its nominal pose by 8 mm across k's yaw, and turned the wider it is."""
+    matrix, mask = matrices(count, seed)
+    k = torch.randn((count, 4), generator=torch.Generator().manual_seed(seed)) * torch.tensor([0.05, 0.05, 0.05, 2.0])
+    target = matrix[:, 0 if skill == "pick" else 2]
+    turn = 0.1 * target[:, SCHEMA.index("box_x")]
+    zero = torch.zeros(count)
+    residual = torch.stack([-0.008 * k[:, 3].sin(), 0.008 * k[:, 3].cos(), zero, turn], dim=-1)
+    return Batch(matrix, mask, k, torch.ones(count), nominal(skill, matrix, k) + residual, torch.ones(count, 1))

@@ -37,6 +37,14 @@ def test_a_scene_stays_in_its_part_when_others_are_added(attempts: Attempts) -> 
         assert numbers(attempts, before.k) <= numbers(attempts, after.k)
 
 
+def test_the_successes_of_each_part_can_be_had_alone(attempts: Attempts) -> None:
+    parts = split(attempts)
+    for part, successes in zip(parts, parts.successes(), strict=True):
+        assert len(successes) == part.success.sum()
+        assert successes.success.all()
+        assert set(map(tuple, successes.k.tolist())) <= set(map(tuple, part.k.tolist()))
+
+
 def test_too_few_attempts_are_refused(attempts: Attempts) -> None:
     few = attempts.chosen(attempts.scene < 20)
     with pytest.raises(IctampError, match=r"too few recorded attempts: of 0 in the validation scenes 0 succeeded"):

@@ -8,7 +8,7 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.learning.checkpoint import Checkpoint, load, read, write
-from ictamp_drake.learning.models import load_estimator, load_skill
+from ictamp_drake.learning.models import load_dynamics, load_estimator, load_skill
 from ictamp_drake.world.observation import SCHEMA
 from tests.learning.synthetic import untrained
 
@@ -42,6 +42,7 @@ def refused(folder: Path, sentence: str, kind: str = "policy", skill: str = "pic
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     refused(tmp_path, r"pick_policy.safetensors: there is no such checkpoint; train one with experiments.train_skill")
     refused(tmp_path, r"place_estimator.safetensors: .*train_estimator", "estimator", "place")
+    refused(tmp_path, r"place_dynamics.safetensors: .*train_dynamics", "dynamics", "place")
 
 
 @pytest.mark.parametrize("left", [0, 5, 100, -4])
@@ -76,7 +77,9 @@ def test_another_way_to_read_k_is_refused(tmp_path: Path) -> None:
     refused(tmp_path, r"reads k in the way of version 0, but this package in that of 1; train it again")
 
 
-@pytest.mark.parametrize(("kind", "loader"), [("policy", load_skill), ("estimator", load_estimator)])
+@pytest.mark.parametrize(
+    ("kind", "loader"), [("policy", load_skill), ("estimator", load_estimator), ("dynamics", load_dynamics)]
+)
 def test_numbers_that_do_not_fit_are_refused(tmp_path: Path, kind: str, loader) -> None:  # type: ignore[no-untyped-def]
     untrained(tmp_path)
     path = tmp_path / f"pick_{kind}.safetensors"

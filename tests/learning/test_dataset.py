@@ -99,6 +99,12 @@ def test_matrices_are_those_of_the_configurations(folder: Path) -> None:
         np.testing.assert_allclose(attempts.matrix[number], seen.matrix, atol=2e-5)
         np.testing.assert_array_equal(attempts.mask[number], seen.mask)
         np.testing.assert_allclose(attempts.k[number], each.attempt.k, rtol=1e-6)
+        if each.attempt.successor is None:
+            assert np.isnan(attempts.moved[number]).all()
+        elif each.attempt.action.name == "pick":
+            np.testing.assert_allclose(attempts.moved[number], 0.0, atol=1e-5)  # c' is c
+        else:
+            assert np.isfinite(attempts.moved[number]).all()
     assert attempts.success.tolist() == [True, False, False, True]
     assert attempts.executed.tolist() == [True, True, False, True]
     assert attempts.failure.tolist() == ["", "SLIPPED", "NO_PATH", ""]

@@ -9,11 +9,12 @@ from torch import Tensor
 
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.classifier import Belief, Classifier
+from ictamp_drake.learning.dynamics import Dynamics
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining
+from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining, Prediction
 from ictamp_drake.learning.parameters import normalised, parameter
 from ictamp_drake.learning.policies import PolicyNetworkConfig
-from tests.learning.synthetic import SIZE, matrices
+from tests.learning.synthetic import ONE, SIZE, matrices
 
 MIXTURE = PolicyTraining(PolicyNetworkConfig("mixture", 6, NetworkConfig(members=1, width=32)))
 STAP = PolicyTraining(
@@ -42,7 +43,7 @@ def successes() -> Batch:
     noise = torch.Generator().manual_seed(3)
     turns = torch.randint(0, 4, (64,), generator=noise) * math.pi / 2 - math.pi
     u = torch.cat([0.2 * torch.randn((64, 3), generator=noise), turns[:, None]], dim=1)
-    return Batch(matrix, mask, parameter("pick", matrix, u), torch.ones(64), torch.ones(64, 1))
+    return Batch(matrix, mask, parameter("pick", matrix, u), torch.ones(64), torch.zeros(64, 4), torch.ones(64, 1))
 
 
 def trained(config: PolicyTraining, steps: int) -> Improvement:
@@ -129,3 +130,16 @@ def test_members_learn_from_their_own_samples() -> None:
         assert weights.grad is not None
         assert not weights.grad[1].any()
         assert weights.grad[0].any()
+
+
+def test_dynamics_are_wrong_by_what_they_miss() -> None:
+    torch.manual_seed(0)
+    dynamics, batch = Dynamics("pick", ONE), successes()
+
+    def loss(*missed: float) -> float:
+        moved = dynamics(batch.matrix, batch.mask, batch.k).detach() + torch.tensor(missed)
+        return Prediction(dynamics).validate(replace(batch, moved=moved), torch.Generator())["loss"]
+
+    assert loss(0.0, 0.0, 0.0, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+    assert loss(0.01, 0.0, 0.0, 0.0) == pytest.approx(loss(0.0, 0.0, 0.0, 0.1), rel=1e-3)
+    assert loss(0.1, 0.0, 0.0, 0.0) == pytest.approx(10 * loss(0.01, 0.0, 0.0, 0.0), rel=0.1)  # and not its square
