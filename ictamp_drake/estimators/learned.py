@@ -1,34 +1,30 @@
-"""What all learned estimators do: one matrix an option, one call of a network a skill."""
+"""What all learned estimators do: one matrix a situation, one call of a network a skill."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
-from ictamp_drake.world.observation import Observation, Observer
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
+from ictamp_drake.world.observation import Observation
+from ictamp_drake.world.situations import Numbers
 
 Option = tuple[Configuration, Skeleton]
 
 
 def by_skill(
-    observer: Observer, options: Sequence[Option], score: Callable[[str, Observation], FloatArray], numbers: int = 1
+    actions: Sequence[Action], seen: Observation, score: Callable[[str, Observation, Numbers], FloatArray]
 ) -> FloatArray:
-    """Scores of the first actions of all options, skill by skill.
+    """Numbers of all situations, skill by skill.
 
     Args:
-        observer: makes the matrices.
-        options: n of them.
-        score: of m observations for one skill, shape (numbers, m).
-        numbers: in a score.
+        actions: n of them, at least one.
+        seen: in the n situations.
+        score: of one skill, what is seen in m situations, and which these are, shape (m, ...).
 
     Returns:
-        Shape (numbers, n).
+        Shape (n, ...).
     """
-    steps = [(c, plan.actions[0]) for c, plan in options]
-    observation = observer.observe_all(steps)
-    names = np.array([action.name for _, action in steps], dtype=np.str_)
-    scores = np.empty((numbers, len(options)))
-    for skill in sorted(set(names.tolist())):
-        rows = np.flatnonzero(names == skill)
-        scores[:, rows] = score(skill, Observation(observation.matrix[rows], observation.mask[rows]))
-    return scores
+    names = np.array([action.name for action in actions], dtype=np.str_)
+    groups = [(skill, np.flatnonzero(names == skill)) for skill in sorted(set(names.tolist()))]
+    scores = np.concatenate([score(skill, Observation(seen.matrix[at], seen.mask[at]), at) for skill, at in groups])
+    return scores[np.argsort(np.concatenate([at for _, at in groups]))]

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.estimators.learned import Option, by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
@@ -61,5 +63,8 @@ class PScore:
 
     def beliefs(self, options: Sequence[Option]) -> Beliefs:
         """P of each option, and how far the members of the ensemble disagree about it."""
-        P, std = by_skill(self._observer, options, lambda skill, seen: self._models[skill].believe(seen), numbers=2)
-        return Beliefs(P, std)
+        if not options:
+            return Beliefs(np.zeros(0), np.zeros(0))
+        steps = [(c, plan.actions[0]) for c, plan in options]
+        seen, actions = self._observer.observe_all(steps), [action for _, action in steps]
+        return Beliefs(*by_skill(actions, seen, lambda skill, part, _: self._models[skill].believe(part).T).T)

@@ -1,41 +1,54 @@
-"""STAP's estimate of success: the critics' Q of the k that the policy would take for the next action."""
+"""STAP's estimate of success: the critics' Q of the k that the policy would take, for the next action or the plan."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import numpy as np
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.estimators.learned import Option, by_skill
+from ictamp_drake.estimators.imagination import Imagination, refined
+from ictamp_drake.estimators.learned import Option
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.scenes.checks import check_range
-from ictamp_drake.world.observation import Observation, Observer
+from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.world import World
-
-if TYPE_CHECKING:
-    from ictamp_drake.learning.models import SkillModel
 
 
 @dataclass(frozen=True)
 class QValueConfig:
     """Configuration of the critics' estimate.
 
+    With the horizon "plan" it is STAP's objective, the product Q(c, k_1) Q(c', k_2) ... along the rest of the plan;
+    learned dynamics say where a step that succeeds leaves its box. STAP seeks the k that maximise it by the
+    cross-entropy method, starting from its policies. Here the policies are drawn from (shooting), `best` picks the
+    rollout with the greatest product, and `refinements` are iterations of that method after it. Q is a probability
+    already and needs no clipping.
+
     Attributes:
-        checkpoints: folder of the trained policies and their critics, by default that of the package.
-        draws: k drawn from the policy for each option; with 1, Q of a single k as in STAP.
-        best: whether the greatest Q of the draws counts, as for the k that the policy's sampler takes, or their mean,
-            which is the success to be expected of a single draw.
+        checkpoints: folder of the trained policies and their critics, and of the dynamics if the horizon is the plan;
+            by default that of the package.
+        draws: k drawn from the policy for each option, and with each of them a rollout of the plan.
+        best: whether the greatest value of the draws counts, as for the k that the policy's sampler takes, or their
+            mean, which is the success to be expected of a single draw.
+        horizon: step, Q of the next action alone; plan, the product along the rest of the plan.
+        refinements: iterations of the cross-entropy method after the draws; they seek what `best` counts.
     """
 
     checkpoints: Path | None = None
     draws: int = 1
     best: bool = False
+    horizon: Literal["step", "plan"] = "step"
+    refinements: int = 0
 
     def __post_init__(self) -> None:
         check_range("estimators.q-value.draws", self.draws, 1, 4096)
+        check_range("estimators.q-value.refinements", self.refinements, 0, 1000)
+        if self.refinements and not self.best:
+            raise IctampError("estimators.q-value.refinements seek the best of the draws; set estimators.q-value.best")
 
     def create(self, world: World, skills: object = None) -> "QValue":  # noqa: ARG002  (the same for all estimators)
         """The estimator for one scene.
@@ -43,30 +56,33 @@ class QValueConfig:
         Raises:
             IctampError: a checkpoint is missing, damaged or of something else.
         """
-        from ictamp_drake.learning.models import load_skill  # noqa: PLC0415  (torch takes long to load)
+        from ictamp_drake.learning.models import load_dynamics, load_skill  # noqa: PLC0415  (torch takes long to load)
 
-        folder = self.checkpoints or SHIPPED
-        return QValue(self, Observer(world.spec), {skill: load_skill(folder, skill) for skill in SKILLS})
+        folder, ahead = self.checkpoints or SHIPPED, self.horizon == "plan"
+        learned = {skill: load_skill(folder, skill) for skill in SKILLS}
+        dynamics = {skill: load_dynamics(folder, skill) for skill in SKILLS if ahead}
+        return QValue(self, Imagination(Observer(world.spec), learned, dynamics, depth=None if ahead else 1))
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""
         check_all(self.checkpoints or SHIPPED, "policy")
+        if self.horizon == "plan":
+            check_all(self.checkpoints or SHIPPED, "dynamics")
 
 
 class QValue:
-    """Q(matrix, k) at draws of the policy, the same draws whenever the same options are asked about."""
+    """Q at draws of the policy, the same draws whenever the same options are asked about."""
 
-    def __init__(self, config: QValueConfig, observer: Observer, models: Mapping[str, "SkillModel"]) -> None:
+    def __init__(self, config: QValueConfig, imagination: Imagination) -> None:
         self._config = config
-        self._observer = observer
-        self._models = models
+        self._imagination = imagination
 
     def estimate(self, options: Sequence[Option]) -> FloatArray:
-        """Q of each option, shape (n,)."""
-        return by_skill(self._observer, options, self._valued)[0]
-
-    def _valued(self, skill: str, observation: Observation) -> FloatArray:
-        model = self._models[skill]
-        k = model.draw(observation, self._config.draws, generator(Stream.EVALUATION))
-        Q = model.Q(observation, k)
-        return np.asarray(Q.max(axis=1) if self._config.best else Q.mean(axis=1))
+        """Q of each option, or the product of Q along its plan, shape (n,)."""
+        if not options:
+            return np.zeros(0)
+        config, rng = self._config, generator(Stream.EVALUATION)
+        rollouts = self._imagination.run(options, config.draws, rng)
+        for _ in range(config.refinements):
+            rollouts = self._imagination.run(options, config.draws, rng, refined(rollouts, rng))
+        return np.asarray(rollouts.product.max(axis=1) if config.best else rollouts.product.mean(axis=1))

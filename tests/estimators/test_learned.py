@@ -1,5 +1,8 @@
 """The contract of learned estimators, with networks that have learned nothing."""
 
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -7,15 +10,20 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Action, Configuration, Skeleton
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
 from ictamp_drake.estimators.p_score import PScore, PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
 from tests.world.scenes import far_boxes, holding, scene
 
-Config = type[PScoreConfig] | type[QValueConfig]
-CONFIGS = {"p_score": PScoreConfig, "q_value": QValueConfig}
+Config = Callable[[Path], PScoreConfig | QValueConfig]
+CONFIGS: dict[str, Config] = {
+    "p_score": PScoreConfig,
+    "q_value": QValueConfig,
+    "q_value_plan": partial(QValueConfig, horizon="plan"),
+    "q_value_refined": partial(QValueConfig, draws=8, best=True, horizon="plan", refinements=2),
+}
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +41,8 @@ def config(request: pytest.FixtureRequest) -> Config:
     return CONFIGS[request.param]
 
 
-def option(c: Configuration, action: Action) -> tuple[Configuration, Skeleton]:
-    return c, Skeleton((frozenset(), frozenset()), (action,))
+def option(c: Configuration, *actions: Action) -> tuple[Configuration, Skeleton]:
+    return c, Skeleton((frozenset(),) * (len(actions) + 1), actions)
 
 
 def options(world: World) -> list[tuple[Configuration, Skeleton]]:
@@ -91,8 +99,56 @@ def test_more_draws_raise_the_best_Q_and_not_the_mean(world: World, checkpoints:
     assert abs(Q(64, best=False) - Q(256, best=False)) < (Q(64, best=True) - Q(64, best=False)) / 2
 
 
+def plans(world: World, steps: int) -> list[tuple[Configuration, Skeleton]]:
+    """The options, whose first steps differ in skill, with up to so many steps after them, the same in all."""
+    rest = [Action("pick", ("cyan_box", "table")), Action("place", ("cyan_box", "red_box"))] * steps
+    return [(c, option(c, *plan.actions, *rest[:steps])[1]) for c, plan in options(world)]
+
+
+def test_a_plan_of_one_step_is_worth_that_step(world: World, checkpoints: Path) -> None:
+    step, plan = (QValueConfig(checkpoints, 4, horizon=horizon).create(world) for horizon in ("step", "plan"))
+    np.testing.assert_array_equal(step.estimate(options(world)), plan.estimate(options(world)))
+    np.testing.assert_array_equal(step.estimate(plans(world, 3)), step.estimate(options(world)))
+
+
+@pytest.mark.parametrize("best", [False, True])
+def test_no_further_step_makes_a_plan_likelier(best: bool, world: World, checkpoints: Path) -> None:
+    estimator = QValueConfig(checkpoints, 8, best, horizon="plan").create(world)
+    values = [estimator.estimate(plans(world, steps)) for steps in range(5)]
+    for shorter, longer in pairwise(values):
+        assert ((longer > 0) & (longer < shorter)).all()
+
+
+def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoints: Path) -> None:
+    asked = plans(world, 2)
+
+    def value(refinements: int) -> FloatArray:
+        config = QValueConfig(checkpoints, 32, best=True, horizon="plan", refinements=refinements)
+        return config.create(world).estimate(asked)
+
+    values = [value(refinements) for refinements in (0, 1, 5)]
+    for fewer, more in pairwise(values):
+        assert (more >= fewer - 1e-6).all()
+    assert (values[-1] > values[0]).all()
+
+
+def test_the_plan_needs_dynamics_and_the_step_does_not(world: World, tmp_path: Path) -> None:
+    untrained(tmp_path)
+    for horizon in ("step", "plan"):
+        QValueConfig(tmp_path, horizon=horizon).check()
+    (tmp_path / "place_dynamics.safetensors").unlink()
+    QValueConfig(tmp_path).check()
+    assert QValueConfig(tmp_path).create(world).estimate(options(world)).shape == (6,)
+    ahead = QValueConfig(tmp_path, horizon="plan")
+    for ask in (ahead.check, partial(ahead.create, world)):
+        with pytest.raises(IctampError, match=r"place_dynamics.safetensors: .* train one with .*train_dynamics"):
+            ask()
+
+
 def test_mistakes_are_answered_with_a_sentence(config: Config, world: World, tmp_path: Path) -> None:
     with pytest.raises(IctampError, match=r"safetensors: there is no such checkpoint"):
         config(tmp_path).create(world)
     with pytest.raises(IctampError, match=r"estimators.q-value.draws is 0, but must be between 1 and 4096"):
         QValueConfig(draws=0)
+    with pytest.raises(IctampError, match=r"estimators.q-value.refinements seek the best of the draws; set"):
+        QValueConfig(refinements=1)

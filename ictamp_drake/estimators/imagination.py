@@ -1,0 +1,124 @@
+"""Plans run in the imagination: policies choose k, critics say how likely it is, learned dynamics what it leaves."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ictamp_drake.core.types import Action, FloatArray
+from ictamp_drake.estimators.learned import Option, by_skill
+from ictamp_drake.world.observation import Observation, Observer
+from ictamp_drake.world.situations import Numbers, Situations
+
+if TYPE_CHECKING:
+    from ictamp_drake.learning.models import DynamicsModel, SkillModel
+
+ELITES = 0.25
+"""Share of the rollouts that the cross-entropy method keeps."""
+
+
+class Rollouts(NamedTuple):
+    """Several runs of each of n plans, of which the longest has L steps.
+
+    Attributes:
+        k: of each step, zero after a plan's end, shape (n, runs, L, 4).
+        product: of Q along the plan, shape (n, runs).
+    """
+
+    k: FloatArray
+    product: FloatArray
+
+
+class Imagination:
+    """Runs the plans of one scene without a simulator.
+
+    Args:
+        observer: makes the matrices of the scene.
+        skills: policies and critics.
+        dynamics: what the skills leave; a depth of 1 needs none.
+        depth: steps of a plan that are run at most, all by default.
+    """
+
+    def __init__(
+        self,
+        observer: Observer,
+        skills: Mapping[str, "SkillModel"],
+        dynamics: Mapping[str, "DynamicsModel"],
+        depth: int | None = None,
+    ) -> None:
+        self._observer = observer
+        self._skills = skills
+        self._dynamics = dynamics
+        self._depth = depth
+
+    def run(
+        self, options: Sequence[Option], runs: int, rng: np.random.Generator, given: FloatArray | None = None
+    ) -> Rollouts:
+        """Several runs of each option's plan, all together and step after step.
+
+        Args:
+            options: n of them, at least one.
+            runs: of each plan.
+            rng: of the policies' draws.
+            given: k in the place of draws, in the shape of the result.
+        """
+        plans, n = [plan.actions[: self._depth] for _, plan in options], len(options)
+        longest = max(map(len, plans))
+        k = np.zeros((n * runs, longest, 4)) if given is None else given.reshape(n * runs, longest, 4)
+        product = np.ones(n * runs)
+        situations = self._observer.situations([c for c, _ in options])
+        of = np.arange(n * runs).reshape(n, runs)  # the runs in each situation; those of a plan share the first
+        for step in range(longest):
+            going = np.flatnonzero([step < len(plans[number]) for number in of[:, 0] // runs])
+            of, situations = of[going], situations.at(going)
+            actions = [plans[number][step] for number in of[:, 0] // runs]
+            seen = self._observer.see(situations, self._observer.steps(actions))
+            if given is None:
+                k[of, step] = self._drawn(actions, seen, of.shape[1], rng)
+            product[of] *= self._Q(actions, seen, k[of, step])
+            if step + 1 < longest:
+                situations = self._after(situations, actions, seen, k[of, step])
+                of = of.reshape(-1, 1)
+        return Rollouts(k.reshape(n, runs, longest, 4), product.reshape(n, runs))
+
+    def _drawn(self, actions: Sequence[Action], seen: Observation, count: int, rng: np.random.Generator) -> FloatArray:
+        """So many k of the policies in each situation, shape (m, count, 4)."""
+        return by_skill(actions, seen, lambda skill, part, _: self._skills[skill].draw(part, count, rng))
+
+    def _Q(self, actions: Sequence[Action], seen: Observation, k: FloatArray) -> FloatArray:
+        """Q of several k in each situation, shape (m, count, 4) -> (m, count)."""
+        return by_skill(actions, seen, lambda skill, part, at: self._skills[skill].Q(part, k[at]))
+
+    def _after(self, situations: Situations, actions: Sequence[Action], seen: Observation, k: FloatArray) -> Situations:
+        """What each of several k leaves, one situation after the other: k of shape (m, count, 4)."""
+        count, k = k.shape[1], k.reshape(-1, 4)
+        each = np.repeat(np.arange(len(actions)), count)
+        actions = [action for action in actions for _ in range(count)]
+        seen = Observation(seen.matrix[each], seen.mask[each])
+
+        def moved(skill: str, part: Observation, at: Numbers) -> FloatArray:
+            return self._dynamics[skill].moved(part, k[at])
+
+        return situations.at(each).after(self._observer.steps(actions), k, by_skill(actions, seen, moved))
+
+
+def refined(rollouts: Rollouts, rng: np.random.Generator) -> FloatArray:
+    """k of the best rollouts, and draws around them: an iteration of the cross-entropy method, shape (n, runs, L, 4).
+
+    The Gaussian of each plan has no covariances, as in STAP; yaw is counted from that of the best rollout, and what is
+    drawn stays on the circle.
+    """
+    n, runs = rollouts.product.shape
+    count = max(1, round(ELITES * runs))
+    order = np.argsort(-rollouts.product, axis=1, kind="stable")[:, :count]
+    elite = np.take_along_axis(rollouts.k, order[..., None, None], axis=1)
+    offset = elite - elite[:, :1]
+    offset[..., 3] = _wrapped(offset[..., 3])
+    mean, std = offset.mean(axis=1, keepdims=True), offset.std(axis=1, keepdims=True)
+    drawn = elite[:, :1] + mean + std * rng.normal(size=(n, runs - count, *elite.shape[2:]))
+    drawn[..., 3] = _wrapped(drawn[..., 3])
+    return np.concatenate([elite, drawn], axis=1)
+
+
+def _wrapped(angle: FloatArray) -> FloatArray:
+    return (angle + np.pi) % (2 * np.pi) - np.pi
