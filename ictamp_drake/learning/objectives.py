@@ -20,6 +20,10 @@ class Objective(Protocol):
     """What a training run minimises."""
 
     @property
+    def skill(self) -> str:
+        """Pick or place."""
+
+    @property
     def module(self) -> nn.Module:
         """All that is trained."""
 
@@ -34,6 +38,7 @@ class Classification:
     """Cross entropy of the outcomes, each member of the ensemble for itself."""
 
     def __init__(self, classifier: Classifier) -> None:
+        self.skill = classifier.skill
         self.module = classifier
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:  # noqa: ARG002  (nothing is random)
@@ -54,6 +59,7 @@ class Prediction:
     """
 
     def __init__(self, dynamics: Dynamics) -> None:
+        self.skill = dynamics.skill
         self.module = dynamics
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:  # noqa: ARG002  (nothing is random)
@@ -106,6 +112,7 @@ class Improvement:
     """E[temperature * log π(k) - Q(k)] over draws, as in soft actor-critic with one step, plus imitation."""
 
     def __init__(self, config: PolicyTraining, critic: Classifier) -> None:
+        self.skill = critic.skill
         self.policy = config.network.create()
         self.module = _Tempered(self.policy, config.temperature)
         self._critic = copy.deepcopy(critic).requires_grad_(False).eval()
@@ -121,14 +128,14 @@ class Improvement:
     def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
         """The loss, and the critics' mean for one draw in each situation."""
         matrix, mask = batch.matrix, batch.mask
-        k = parameter(self._critic.skill, matrix, self.policy.draw(matrix, mask, 4, generator))
+        k = parameter(self.skill, matrix, self.policy.draw(matrix, mask, 4, generator))
         belief = self._critic.beliefs(matrix, mask, k)
         loss, log_density = self._parts(batch, generator)
         return {"loss": float(loss), "Q": float(belief.mean.mean()), "entropy": -float(log_density.mean())}
 
     def _parts(self, batch: Batch, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """The policy's loss, and the mean log-density of its draws, shape (n,)."""
-        config, skill, matrix, mask = self._config, self._critic.skill, batch.matrix, batch.mask
+        config, skill, matrix, mask = self._config, self.skill, batch.matrix, batch.mask
         u, log_density, weight = self.policy.branches(matrix, mask, generator)
         belief = self._critic.beliefs(matrix, mask, parameter(skill, matrix, u))
         value = belief.mean - config.caution * belief.std

@@ -5,24 +5,28 @@ of U's axes. Place: over the receptacle's top face, and in height from 2 mm insi
 """
 
 import math
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
 
+from ictamp_drake.learning.clearance import PARTS, Blocks, clearances
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 from ictamp_drake.world.observation import SCHEMA
 
 PLACE_HEIGHT = (0.010, 0.012)
 """Middle and half of the range of a placement's height above the top face [m]."""
-SEEN = 12
+SEEN = 12 + PARTS
 """Numbers of an object as seen from k."""
-FEATURES = 22
+FEATURES = 24
 """Numbers of k itself."""
 _DISTANCE = 0.2
 """Scale of distances as seen from k [m]."""
 
-_BASE, _TARGET, _BOX, _SUPPORT = (SCHEMA.group(name) for name in ("base", "target", "box", "support"))
-_BASE_SCALE, _TARGET_SCALE, _BOX_SCALE, _SUPPORT_SCALE = (
-    float(SCHEMA.scales[group][0]) for group in (_BASE, _TARGET, _BOX, _SUPPORT)
+_GROUPS = [SCHEMA.group(name) for name in ("base", "target", "hand", "box", "support")]
+_BASE, _TARGET, _HAND, _BOX, _SUPPORT = _GROUPS
+_BASE_SCALE, _TARGET_SCALE, _HAND_SCALE, _BOX_SCALE, _SUPPORT_SCALE = (
+    float(SCHEMA.scales[group][0]) for group in _GROUPS
 )
 
 
@@ -58,33 +62,78 @@ def wrapped(angle: Tensor) -> Tensor:
 
 
 def features(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
-    """What is to be known of k itself, shape (n, 8, D), (n, 4) -> (n, 22).
+    """What is to be known of k itself, shape (n, 8, D), (n, 4) -> (n, 24).
 
     u; the position, and the distances to the target's faces, in a scale that is fine near zero, where a millimetre
-    decides; yaw, and yaw against the directions of a box's faces; and where k is as seen from the arm's base.
+    decides; yaw, and yaw against the directions of a box's faces; and where the hand is as seen from the arm's base.
     """
     middle, half = ranges(skill, matrix)
     offset, yaw = k[:, :3] - middle, k[:, 3:]
     distances = [_fine(k[:, :3], 0.001), _fine(half - offset, 0.005), _fine(half + offset, 0.005)]
+    margins = _fine(_margins(skill, matrix, k), 0.002)
     angles = [yaw.cos(), yaw.sin(), (4 * yaw).cos(), (4 * yaw).sin()]
-    return torch.cat([offset / half, *distances, *angles, _reach(skill, matrix, k)], dim=-1)
+    return torch.cat([offset / half, *distances, margins, *angles, _reach(skill, matrix, k)], dim=-1)
 
 
 def _fine(distance: Tensor, scale: float) -> Tensor:
     return torch.asinh(distance / scale) / 2
 
 
+def _margins(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
+    """How far the box stands out of the open fingers, and out of them if they were in its middle (pick).
+
+    Or how far it stands out of the receptacle's top face along its x and y axes (place); shape (n, 2) [m].
+    """
+    cos, sin = k[:, 3].cos().abs(), k[:, 3].sin().abs()
+    half = sides(matrix) / 2
+    if skill == "pick":
+        reach = half[:, 0, 0] * sin + half[:, 0, 1] * cos - GRIPPER_MAX_WIDTH / 2
+        offset = (k[:, 1] * k[:, 3].cos() - k[:, 0] * k[:, 3].sin()).abs()
+        return torch.stack([reach + offset, reach], dim=-1)
+    held, place = half[:, 1], half[:, 2]
+    x = k[:, 0].abs() + held[:, 0] * cos + held[:, 1] * sin - place[:, 0]
+    y = k[:, 1].abs() + held[:, 0] * sin + held[:, 1] * cos - place[:, 1]
+    return torch.stack([x, y], dim=-1)
+
+
 def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
-    """Position in B, horizontal distance from the base, and the direction of yaw against the way to it, (n, 6)."""
+    """Of G: position in B, horizontal distance from the base, and heading against the way to it, shape (n, 6)."""
     row = matrix[:, 0 if skill == "pick" else 2]
-    rise = 0.0 if skill == "pick" else sides(row)[:, 2:] / 2  # from the middle of the receptacle to its top
-    p, R = row[:, _BASE][:, :3] * _BASE_SCALE, _axes(row[:, _BASE])
-    p_B = p + R[..., 0] * k[:, :1] + R[..., 1] * k[:, 1:2] + R[..., 2] * (k[:, 2:3] + rise)
+    hand = _hand(skill, matrix)
+    p_K = _turned(hand.position, k[:, 3]) + k[:, :3]
+    if skill == "place":
+        p_K = p_K + sides(row) / 2 * p_K.new_tensor([0.0, 0.0, 1.0])  # from the receptacle's top to its middle
+    R_BK, p_BK = axes(row[:, _BASE]), row[:, _BASE][:, :3] * _BASE_SCALE
+    p_B = p_BK + (R_BK @ p_K[..., None])[..., 0]
+    heading = (R_BK @ _turned(hand.heading, k[:, 3])[..., None])[..., 0]
     distance = p_B[:, :2].norm(dim=-1, keepdim=True)
     x, y = (p_B[:, :2] / distance.clamp(min=0.05)).T
-    turned = R[..., 0] * k[:, 3:].cos() + R[..., 1] * k[:, 3:].sin()
-    direction = [x * turned[:, 0] + y * turned[:, 1], x * turned[:, 1] - y * turned[:, 0]]
+    direction = [x * heading[:, 0] + y * heading[:, 1], x * heading[:, 1] - y * heading[:, 0]]
     return torch.cat([p_B / _BASE_SCALE, distance / _BASE_SCALE, torch.stack(direction, dim=-1)], dim=-1)
+
+
+class _Hand(NamedTuple):
+    """G as seen from k: position and direction of its x axis, each of shape (n, 3)."""
+
+    position: Tensor
+    heading: Tensor
+
+
+def _hand(skill: str, matrix: Tensor) -> _Hand:
+    """The hand when it grasps, or when it lets go."""
+    if skill == "pick":
+        origin = torch.zeros_like(matrix[:, 0, :3])
+        return _Hand(origin, origin + origin.new_tensor([1.0, 0.0, 0.0]))
+    R_GU, p_GU = axes(matrix[:, 1, _HAND]), matrix[:, 1, _HAND][:, :3] * _HAND_SCALE
+    p_UG = -(R_GU * p_GU[..., None]).sum(dim=-2)
+    bottom = sides(matrix[:, 1]) / 2 * p_UG.new_tensor([0.0, 0.0, 1.0])
+    return _Hand(p_UG + bottom, R_GU[:, 0])
+
+
+def _turned(vectors: Tensor, yaw: Tensor) -> Tensor:
+    """Vectors, shape (n, 3), turned about z by angles of shape (n,)."""
+    (x, y, z), cos, sin = vectors.T, yaw.cos(), yaw.sin()
+    return torch.stack([cos * x - sin * y, sin * x + cos * y, z], dim=-1)
 
 
 def sides(rows: Tensor) -> Tensor:
@@ -92,7 +141,7 @@ def sides(rows: Tensor) -> Tensor:
     return rows[..., _BOX] * _BOX_SCALE + rows[..., _SUPPORT] * _SUPPORT_SCALE
 
 
-def _axes(pose: Tensor) -> Tensor:
+def axes(pose: Tensor) -> Tensor:
     """Rotation matrix of nine numbers of a pose, shape (..., 9) -> (..., 3, 3)."""
     x, y = pose[..., 3:6], pose[..., 6:9]
     return torch.stack([x, y, torch.linalg.cross(x, y)], dim=-1)
@@ -100,20 +149,33 @@ def _axes(pose: Tensor) -> Tensor:
 
 def with_k(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
     """What a network is given that sees k too: rows, (n, 8, D + SEEN), and numbers of k itself, (n, FEATURES)."""
-    return torch.cat([matrix, seen_from(matrix, k)], dim=-1), features(skill, matrix, k)
+    return torch.cat([matrix, seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
 
 
-def seen_from(matrix: Tensor, k: Tensor) -> Tensor:
-    """All objects as seen from k, shape (n, 8, D), (n, 4) -> (n, 8, 12).
+def seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
+    """All objects as seen from k, shape (n, 8, D), (n, 4) -> (n, 8, 16).
 
-    Pose in the frame at k's position that is turned by its yaw, and the distance of that position from each pair of
-    the object's faces, negative between them, in a fine scale.
+    Pose in the frame at k's position that is turned by its yaw; the distance of that position from each pair of the
+    object's faces, negative between them, in a fine scale; and how far the hand and the box keep from the object there.
     """
     target = matrix[..., _TARGET]
-    R, p_KO = _axes(target), k[:, None, :3] - target[..., :3] * _TARGET_SCALE
-    vectors = torch.stack([-p_KO / _DISTANCE, R[..., 0], R[..., 1]], dim=-2)
+    R, p_KO = axes(target), k[:, None, :3] - target[..., :3] * _TARGET_SCALE
+    vectors = torch.stack([-p_KO, R[..., 0], R[..., 1]], dim=-2)
     cos, sin = k[:, 3, None, None].cos(), k[:, 3, None, None].sin()
     x, y = vectors[..., 0], vectors[..., 1]
-    pose = torch.stack([cos * x + sin * y, cos * y - sin * x, vectors[..., 2]], dim=-1).flatten(-2)
+    pose = torch.stack([cos * x + sin * y, cos * y - sin * x, vectors[..., 2]], dim=-1)
     p_O = (R * p_KO[..., None]).sum(dim=-2)
-    return torch.cat([pose, _fine(p_O.abs() - sides(matrix) / 2, 0.01)], dim=-1)
+    half = sides(matrix) / 2
+    objects = Blocks(pose[..., 0, :], pose[..., 1, :2], half)
+    hand = _hand(skill, matrix)
+    apart = clearances(hand.position, hand.heading[:, :2], _moved(skill, objects), objects)
+    scaled = torch.cat([pose[..., 0, :] / _DISTANCE, pose[..., 1:, :].flatten(-2)], dim=-1)
+    return torch.cat([scaled, _fine(p_O.abs() - half, 0.01), _fine(apart, 0.005)], dim=-1)
+
+
+def _moved(skill: str, objects: Blocks) -> Blocks:
+    """The box that the action moves: where it stands (pick), or at k, the middle of its bottom face (place)."""
+    if skill == "pick":
+        return Blocks(*(each[:, 0] for each in objects))
+    half = objects.half[:, 1]
+    return Blocks(half * half.new_tensor([0.0, 0.0, 1.0]), half.new_tensor([1.0, 0.0]).expand(len(half), 2), half)

@@ -15,6 +15,7 @@ from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import read, write
 from ictamp_drake.learning.objectives import Objective
+from ictamp_drake.learning.symmetry import varied
 from ictamp_drake.scenes.checks import check_range
 
 STATE = "state.safetensors"
@@ -39,6 +40,7 @@ class FitConfig:
         rate: learning rate at the start; it falls along half a cosine.
         decay: weight decay.
         clip: largest norm of a gradient.
+        vary: describe every attempt anew whenever it is seen, see `symmetry`.
         patience: epochs without a better validation loss after which training ends.
         seed: of starting weights, order, bootstraps and noise.
     """
@@ -48,6 +50,7 @@ class FitConfig:
     rate: float = 1e-3
     decay: float = 1e-3
     clip: float = 2.0
+    vary: bool = True
     patience: int = 15
     seed: int = 0
 
@@ -128,7 +131,10 @@ class Fit:
         module.train()
         losses = []
         for rows in torch.split(torch.randperm(len(self._data.training), generator=noise), config.batch):
-            loss = self._objective.loss(self._data.training.rows(rows), noise)
+            batch = self._data.training.rows(rows)
+            if config.vary:
+                batch = varied(self._objective.skill, batch, noise)
+            loss = self._objective.loss(batch, noise)
             self._optimiser.zero_grad()
             torch.autograd.backward(loss)
             torch.nn.utils.clip_grad_norm_(module.parameters(), config.clip)

@@ -29,9 +29,9 @@ PROVENANCE = {"command": "python", "data": "none"}
 
 
 def succeeds(matrix: FloatArray, k: FloatArray) -> bool:
-    """The rule: the grasp is near the middle along the box's x axis, and the box is not far to the left."""
-    depth, y = matrix[0, SCHEMA.index("box_x")] * 0.1, matrix[0, SCHEMA.index("base_y")] * 0.7
-    return bool(abs(k[0]) < depth / 4 and y < 0.2)
+    """The rule: the grasp is near the middle of the box, and the box is not far to a side."""
+    half, y = matrix[0, SCHEMA.group("box")] * 0.1 / 2, matrix[0, SCHEMA.index("base_y")] * 0.7
+    return bool((abs(k[:2]) < 0.7 * half[:2]).all() and abs(y) < 0.3)
 
 
 def centred(c: Configuration, box: str, size: tuple[float, float, float], k: FloatArray) -> Configuration:

@@ -10,9 +10,14 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action, Configuration
 from ictamp_drake.learning.parameters import FEATURES, SEEN, features, normalised, parameter, seen_from, wrapped
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
 from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.world import World
 from tests.learning.synthetic import matrices
+from tests.world.scenes import far_boxes, holding, scene
 
 SPEC = training_scene(5)
 BOX = min(SPEC.boxes)
@@ -64,7 +69,7 @@ def test_objects_are_seen_from_k_as_frames_say() -> None:
     k = torch.tensor([[0.01, -0.02, 0.03, 0.7]])
     cos, sin = math.cos(0.7), math.sin(0.7)
     R_KQ = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
-    seen = seen_from(matrix, k)
+    seen = seen_from("pick", matrix, k)
     assert seen.shape == (1, ROWS, SEEN)
     target = matrix[0, :, SCHEMA.group("target")].numpy()
     for row in np.flatnonzero(matrix[0].abs().sum(dim=-1).numpy()):
@@ -74,23 +79,29 @@ def test_objects_are_seen_from_k_as_frames_say() -> None:
             np.testing.assert_allclose(found[axis], R_KQ.T @ target[row, axis], atol=1e-6)
         sides = (matrix[0, row, SCHEMA.group("box")] * 0.1 + matrix[0, row, SCHEMA.group("support")]).numpy()
         p_OQ = rotation(target[row]).T @ (k[0, :3].numpy() - p_KO)
-        np.testing.assert_allclose(np.sinh(2 * found[9:]) * 0.01, np.abs(p_OQ) - sides / 2, atol=1e-4)
+        np.testing.assert_allclose(np.sinh(2 * found[9:12]) * 0.01, np.abs(p_OQ) - sides / 2, atol=1e-4)
 
 
 @pytest.mark.parametrize("skill", ["pick", "place"])
-def test_the_base_sees_k_where_frames_say(skill: str) -> None:
-    matrix = matrix_of(skill, SUPPORT)
-    k = torch.tensor([[0.03, -0.02, 0.01, 0.7]])
-    row = matrix[0, 0 if skill == "pick" else 2].numpy()
-    base = row[SCHEMA.group("base")]
-    rise = 0.0 if skill == "pick" else SPEC.supports[SUPPORT].size[2] / 2
-    p_B = base[:3] * 0.7 + rotation(base) @ (k[0, :3].numpy() + [0, 0, rise])
-    found = features(skill, matrix, k)[0, -6:].numpy()
-    np.testing.assert_allclose(found[:3] * 0.7, p_B, atol=1e-6)
-    assert found[3] * 0.7 == pytest.approx(np.hypot(*p_B[:2]), abs=1e-6)
-    x_B = rotation(base) @ [math.cos(0.7), math.sin(0.7), 0.0]
-    angle = math.atan2(x_B[1], x_B[0]) - math.atan2(p_B[1], p_B[0])
-    np.testing.assert_allclose(found[4:], [math.cos(angle), math.sin(angle)], atol=1e-5)
+def test_the_base_sees_the_hand_where_the_motion_takes_it(skill: str) -> None:
+    """The pose of G is that of the skill's own geometry."""
+    world = World(scene(far_boxes()))
+    action = Action(skill, ("yellow_box", "table" if skill == "pick" else "rack"))
+    c = world.initial_configuration() if skill == "pick" else holding(world, "yellow_box", drop=0.01)
+    k = np.array([0.02, -0.01, 0.005, 0.7])
+    if skill == "pick":
+        X_WG = grasp_pose(world, c, "yellow_box", k)
+    else:
+        world.set_configuration(c)
+        X_WG0 = ArmKinematics(to_transform(world.spec.arm.X_WB)).forward(c.q[:7])
+        X_WG = placement_pose(world, c, "rack", held_bottom(world, c, "yellow_box", X_WG0), k)
+    matrix = torch.from_numpy(Observer(world.spec).observe(c, action).matrix)[None]
+    found = features(skill, matrix, torch.from_numpy(k.astype(np.float32))[None])[0, -6:].numpy()
+    p, x = X_WG.translation(), X_WG.rotation().matrix()[:, 0]
+    np.testing.assert_allclose(found[:3] * 0.7, p, atol=1e-5)
+    assert found[3] * 0.7 == pytest.approx(np.hypot(*p[:2]), abs=1e-5)
+    angle = math.atan2(x[1], x[0]) - math.atan2(p[1], p[0])
+    np.testing.assert_allclose(found[4:], [math.cos(angle), math.sin(angle)], atol=1e-4)
 
 
 def test_distances_to_the_faces_are_told() -> None:
@@ -110,4 +121,4 @@ def test_a_full_turn_changes_nothing(skill: str, yaw: float) -> None:
     turned = k + torch.tensor([0.0, 0.0, 0.0, 2 * math.pi])
     assert features(skill, matrix, k).shape == (2, FEATURES)
     torch.testing.assert_close(features(skill, matrix, k), features(skill, matrix, turned), rtol=1e-3, atol=1e-4)
-    torch.testing.assert_close(seen_from(matrix, k), seen_from(matrix, turned), rtol=1e-3, atol=1e-4)
+    torch.testing.assert_close(seen_from(skill, matrix, k), seen_from(skill, matrix, turned), rtol=1e-3, atol=1e-4)

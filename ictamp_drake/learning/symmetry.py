@@ -1,0 +1,78 @@
+"""Situations that are the same in another description: what is learned from one holds for all of them.
+
+The x axis of a box's upright frame U may point out of any of its four sides, and that of a support too; turning it by
+quarter turns about z changes the numbers and nothing else. And what the arm does on its left it does on its right, but
+for the limits of its last joint, which are not the same to both sides: the mirror image holds nearly always.
+"""
+
+from dataclasses import replace
+
+import torch
+from torch import Tensor
+
+from ictamp_drake.learning.batches import Batch
+from ictamp_drake.learning.parameters import wrapped
+from ictamp_drake.world.observation import ROWS, SCHEMA
+
+_BASE, _TARGET, _HAND = (SCHEMA.group(name) for name in ("base", "target", "hand"))
+_SIDES = (SCHEMA.group("box"), SCHEMA.group("support"))
+_QUARTER = torch.pi / 2
+
+
+def varied(skill: str, batch: Batch, generator: torch.Generator) -> Batch:
+    """Another description of each attempt at a skill, drawn at random."""
+    batch = turned(skill, batch, torch.randint(4, (len(batch), ROWS), generator=generator))
+    image = mirrored(batch)
+    flipped = torch.rand((len(batch), 1), generator=generator) < 0.5
+    return replace(
+        batch,
+        matrix=torch.where(flipped[..., None], image.matrix, batch.matrix),
+        k=torch.where(flipped, image.k, batch.k),
+        moved=torch.where(flipped, image.moved, batch.moved),
+    )
+
+
+def turned(skill: str, batch: Batch, turns: Tensor) -> Batch:
+    """The frames of all objects turned about their z axes by so many quarter turns, shape (n, 8)."""
+    matrix, angle = batch.matrix.clone(), turns * _QUARTER
+    for group in (_BASE, _TARGET, _HAND):
+        p, x, y = _split(matrix[..., group])
+        cos, sin = angle.cos()[..., None], angle.sin()[..., None]
+        matrix[..., group] = torch.cat([p, cos * x + sin * y, cos * y - sin * x], dim=-1)
+    odd = (turns % 2 == 1)[..., None]
+    for sides in _SIDES:
+        matrix[..., sides] = torch.where(odd, matrix[..., sides][..., [1, 0, 2]], matrix[..., sides])
+    target = angle[:, 0 if skill == "pick" else 2]
+    seen = [_about_z(vectors, -target[:, None]) for vectors in _split(matrix[..., _TARGET])]
+    matrix[..., _TARGET] = torch.cat(seen, dim=-1)
+    held = angle[:, 1]
+    of_k, of_moved = (-target, 0.0 * target) if skill == "pick" else (held - target, held - target)
+    return replace(
+        batch, matrix=matrix, k=_placed(batch.k, -target, of_k), moved=_placed(batch.moved, -target, of_moved)
+    )
+
+
+def mirrored(batch: Batch) -> Batch:
+    """The mirror image in the vertical plane through the arm's base that its x axis lies in."""
+    signs = batch.matrix.new_ones(SCHEMA.width)
+    for group in (_BASE, _TARGET, _HAND):
+        signs[group] = signs.new_tensor([1, -1, 1, 1, -1, 1, -1, 1, -1])
+    of_k = signs.new_tensor([1, -1, 1, -1])
+    return replace(batch, matrix=batch.matrix * signs, k=batch.k * of_k, moved=batch.moved * of_k)
+
+
+def _split(pose: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    """Position and two axes, shape (..., 9) -> three of (..., 3)."""
+    return pose[..., :3], pose[..., 3:6], pose[..., 6:]
+
+
+def _placed(pose: Tensor, about: Tensor, turn: Tensor) -> Tensor:
+    """Poses (x, y, z, yaw), shape (n, 4), whose positions are turned about z, and whose yaw is by another angle."""
+    return torch.cat([_about_z(pose[:, :3], about), wrapped(pose[:, 3:] + turn[:, None])], dim=-1)
+
+
+def _about_z(vectors: Tensor, angle: Tensor) -> Tensor:
+    """Vectors, shape (..., 3), turned about z by angles of shape (...)."""
+    x, y, z = vectors.unbind(-1)
+    cos, sin = angle.cos(), angle.sin()
+    return torch.stack([cos * x - sin * y, sin * x + cos * y, z], dim=-1)

@@ -1,0 +1,139 @@
+"""Other descriptions of a situation are what the observer would have said of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from ictamp_drake.core.types import Action, Configuration, FloatArray
+from ictamp_drake.learning.batches import Batch
+from ictamp_drake.learning.symmetry import mirrored, turned, varied
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, Vector
+from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.world.observation import ROWS, Observer
+from tests.learning.synthetic import matrices
+
+SPECS = [training_scene(number) for number in (0, 2, 5, 11, 12, 14)]
+Q = np.array([0.4, -0.6, 0.2, -2.2, 0.1, 1.6, 0.5])
+specs = st.sampled_from([spec for spec in SPECS if len(spec.boxes) > 1])
+skills = st.sampled_from(["pick", "place"])
+
+
+def action(spec: SceneSpec, skill: str) -> Action:
+    boxes = sorted(spec.boxes)
+    return Action(skill, (boxes[0], "table" if skill == "pick" else boxes[1]))
+
+
+def observed(spec: SceneSpec, skill: str, q: FloatArray = Q) -> torch.Tensor:
+    held = None if skill == "pick" else min(spec.boxes)
+    c = Configuration(np.append(q, [0.03, 0.03]), {name: box.X_WO for name, box in spec.boxes.items()}, held)
+    return torch.from_numpy(Observer(spec).observe(c, action(spec, skill)).matrix)[None]
+
+
+def batch_of(matrix: torch.Tensor, k: torch.Tensor | None = None) -> Batch:
+    """Attempts with this matrix; the box ends where k is."""
+    k = torch.zeros(len(matrix), 4) if k is None else k
+    return Batch(matrix, matrix.abs().sum(-1) > 0, k, torch.ones(len(k)), k, torch.ones(len(k), 1))
+
+
+def swapped(size: tuple[float, ...]) -> Vector:
+    return size[1], size[0], size[2]
+
+
+def box_turned(box: BoxSpec) -> BoxSpec:
+    """The same box, but for the names of its x and y axes; only for one that stands upright."""
+    roll, pitch, yaw = box.rotation
+    return replace(box, size=swapped(box.size), rotation=(roll, pitch, yaw + 90.0))
+
+
+def support_turned(support: SupportSpec) -> SupportSpec:
+    return replace(support, size=swapped(support.size), yaw=support.yaw - 270.0)
+
+
+@given(specs, skills)
+def test_the_frames_of_all_objects_may_be_turned(spec: SceneSpec, skill: str) -> None:
+    boxes = {name: box_turned(box) if box.rotation[:2] == (0, 0) else box for name, box in spec.boxes.items()}
+    supports = {name: support_turned(support) for name, support in spec.supports.items()}
+    tipped = [name for name, box in boxes.items() if box is spec.boxes[name]]
+    if tipped:  # which row is whose is the observer's affair
+        return
+    batch = batch_of(observed(spec, skill))
+    other = turned(skill, batch, torch.ones(1, ROWS, dtype=torch.long)).matrix
+    expected = observed(replace(spec, boxes=boxes, supports=supports), skill)
+    torch.testing.assert_close(other * batch.mask[..., None], expected, rtol=1e-4, atol=1e-4)
+
+
+def yaw(angle: float) -> FloatArray:
+    return np.asarray(Rotation.from_euler("z", angle).as_matrix())
+
+
+@given(skills, st.integers(0, 3), st.integers(0, 3), st.integers(0, 99))
+def test_k_stays_where_it_was_in_the_world(skill: str, of_moved: int, of_target: int, seed: int) -> None:
+    """R_KU of what is moved: G for a pick, the held box for a placement, whose own frame is turned too."""
+    matrix, _ = matrices(1, seed)
+    turns = torch.zeros(1, ROWS, dtype=torch.long)
+    turns[0, 1], turns[0, 0 if skill == "pick" else 2] = of_moved, of_target
+    k = torch.randn((1, 4), generator=torch.Generator().manual_seed(seed))
+    batch = turned(skill, batch_of(matrix, k), turns)
+    other, moved = batch.k, batch.moved
+    R_KK, R_UU = yaw(of_target * np.pi / 2), yaw(0.0 if skill == "pick" else of_moved * np.pi / 2)
+    np.testing.assert_allclose(R_KK @ other[0, :3].numpy(), k[0, :3], atol=1e-5)
+    np.testing.assert_allclose(R_KK @ yaw(float(other[0, 3])), yaw(float(k[0, 3])) @ R_UU, atol=1e-5)
+    R_UU = yaw((of_target if skill == "pick" else of_moved) * np.pi / 2)
+    np.testing.assert_allclose(R_KK @ moved[0, :3].numpy(), k[0, :3], atol=1e-5)
+    np.testing.assert_allclose(R_KK @ yaw(float(moved[0, 3])), yaw(float(k[0, 3])) @ R_UU, atol=1e-5)
+
+
+@given(specs, skills)
+def test_the_mirror_image_is_what_a_mirrored_scene_shows(spec: SceneSpec, skill: str) -> None:
+    def reflected(position: Vector) -> Vector:
+        return position[0], -position[1], position[2]
+
+    boxes = {
+        name: replace(
+            box, position=reflected(box.position), rotation=(-box.rotation[0], box.rotation[1], -box.rotation[2])
+        )
+        for name, box in spec.boxes.items()
+    }
+    supports = {
+        name: replace(support, position=reflected(support.position), yaw=-support.yaw)
+        for name, support in spec.supports.items()
+    }
+    q = Q * [-1, 1, -1, 1, -1, 1, -1] + [0, 0, 0, 0, 0, 0, np.pi / 2]
+    image = mirrored(batch_of(observed(spec, skill))).matrix
+    expected = observed(replace(spec, boxes=boxes, supports=supports), skill, q)
+    tipped = any(box.rotation[:2] != (0, 0) for box in spec.boxes.values())
+    if not tipped:  # the axis that points up is another one then
+        torch.testing.assert_close(image, expected, rtol=1e-4, atol=1e-4)
+
+
+@given(st.integers(0, 99))
+def test_four_turns_and_two_reflections_change_nothing(seed: int) -> None:
+    matrix, _ = matrices(3, seed)
+    k = torch.randn((3, 4), generator=torch.Generator().manual_seed(seed))
+    turns = torch.randint(4, (3, ROWS), generator=torch.Generator().manual_seed(seed))
+    for skill in ("pick", "place"):
+        back = turned(skill, turned(skill, batch_of(matrix, k), turns), (4 - turns) % 4)
+        torch.testing.assert_close(back.matrix, matrix, rtol=1e-4, atol=1e-5)
+        torch.testing.assert_close(back.k, k, rtol=1e-4, atol=1e-5)
+        torch.testing.assert_close(back.moved, k, rtol=1e-4, atol=1e-5)
+    image = mirrored(mirrored(batch_of(matrix, k)))
+    for found, original in (image.matrix, matrix), (image.k, k), (image.moved, k):
+        torch.testing.assert_close(found, original)
+
+
+@pytest.mark.parametrize("skill", ["pick", "place"])
+def test_variety_comes_from_the_generator_alone(skill: str) -> None:
+    matrix, _ = matrices(200)
+    k = torch.rand(200, 4)
+    batch = batch_of(matrix, k)
+    first, again, other = (varied(skill, batch, torch.Generator().manual_seed(seed)) for seed in (1, 1, 2))
+    assert torch.equal(first.matrix, again.matrix)
+    assert torch.equal(first.k, again.k)
+    assert not torch.equal(first.matrix, other.matrix)
+    left = (first.k[:, :2] - k[:, :2]).abs().sum(-1) < 1e-6
+    assert 0.03 < left.float().mean() < 0.25  # an eighth is left as it is
