@@ -1,0 +1,120 @@
+"""How close P and Q are to counted success in scenes that nothing was learned from (paper, Figure 3).
+
+`python -m ictamp_drake.experiments.estimator_accuracy --ground-truth data/accuracy`
+"""
+
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+from ictamp_drake.learning.accuracy import Accuracy, compared
+from ictamp_drake.learning.cases import read_cases
+from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, Kind, load
+from ictamp_drake.learning.dataset import fingerprint
+from ictamp_drake.runs.accuracy_table import as_csv, markdown, report
+from ictamp_drake.runs.command import COMPLETE, command
+from ictamp_drake.runs.contenders import BaseRates, Contender, contenders
+from ictamp_drake.runs.files import write_whole
+from ictamp_drake.runs.folder import RUNS
+from ictamp_drake.runs.predictions import by_scene, predicted
+from ictamp_drake.runs.provenance import provenance
+from ictamp_drake.scenes.checks import check_choice, check_range
+from ictamp_drake.viz.accuracy import draw_all
+
+NAME = "ictamp_drake.experiments.estimator_accuracy"
+
+
+@dataclass(frozen=True)
+class EstimatorAccuracy:
+    """Hold estimates of success against counted success.
+
+    The ground truth are attempts with the stochastic policy in held-out scenes, many from each c: `python -m
+    ictamp_drake.experiments.collect --walk.draws 40 --walk.sources.policy 1 --walk.sources.optimisation 0
+    --walk.sources.perturbed 0 --walk.sources.uniform 0`, in scenes that the networks were not trained in.
+
+    Attributes:
+        ground_truth: folder of recorded attempts.
+        out: folder for the table, the cases and the pictures, by default a new one in runs/.
+        checkpoints: folder of the trained networks, by default that of the package.
+        skills: that are looked at.
+        least: attempts at a case, an action from one c; cases with fewer are left out.
+        sampler: count only attempts whose k came from there; all by default.
+        plans: also STAP's product of Q along the plan, which needs trained dynamics.
+        base_rate: share of successes among the attempts that P was trained on.
+    """
+
+    ground_truth: Path
+    out: Path | None = None
+    checkpoints: Path | None = None
+    skills: tuple[str, ...] = SKILLS
+    least: int = 40
+    sampler: str | None = None
+    plans: bool = True
+    base_rate: BaseRates = BaseRates()
+
+    def __post_init__(self) -> None:
+        check_range("least", self.least, 2, 1e6)
+        for skill in self.skills:
+            check_choice("skills", skill, SKILLS)
+
+
+def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
+    """Ask all estimators about all cases, write what came of it and show it; returns the exit code.
+
+    Raises:
+        IctampError: attempts or checkpoints are missing, or are not fit for this.
+    """
+    checkpoints = options.checkpoints or SHIPPED
+    configs = contenders(checkpoints, options.base_rate.known(checkpoints), options.plans)
+    accuracies = [_accuracy(options, skill, configs, console) for skill in options.skills]
+    folder = options.out or RUNS / f"estimator_accuracy-{datetime.now():%Y%m%d-%H%M%S}"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / "cases.csv", as_csv(accuracies))
+    pictures = draw_all(accuracies, folder)
+    write_whole(folder / "table.md", markdown(accuracies, _about(options, checkpoints, typed), pictures))
+    console.print(report(accuracies))
+    console.print(f"\nTable, cases and pictures: {folder}", soft_wrap=True)
+    return COMPLETE
+
+
+def _accuracy(options: EstimatorAccuracy, skill: str, configs: Mapping[str, Contender], console: Console) -> Accuracy:
+    cases = read_cases(options.ground_truth, skill, options.least, options.sampler)
+    asked = track(by_scene(cases), f"{skill}, scenes", console=console, transient=True)
+    found = [prediction for group in asked for prediction in predicted(group, configs)]
+    if len(found) < len(cases):
+        left = len(cases) - len(found)
+        console.print(f"{skill}: {left} of {len(cases)} cases are left out, since their action does not apply in H(c)")
+    estimates = np.array([prediction.estimates for prediction in found]).T
+    return compared(skill, [each.case for each in found], dict(zip(configs, estimates, strict=True)))
+
+
+def _about(options: EstimatorAccuracy, checkpoints: Path, typed: str) -> dict[str, Any]:
+    """Where the figures come from."""
+    about: dict[str, Any] = {"command": typed, "ground truth": fingerprint(options.ground_truth)}
+    for skill in options.skills:
+        kinds: tuple[Kind, ...] = ("policy", "estimator", "dynamics")
+        for kind in kinds if options.plans else kinds[:2]:
+            trained = load(checkpoints, kind, skill).provenance
+            about[f"{kind} of {skill}"] = f"{trained.get('commit')}, data {trained.get('data')}"
+    made = provenance()
+    versions = ", ".join(f"{name} {version}" for name, version in made["versions"].items())
+    return {**about, "commit": made["commit"], "versions": versions}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The program; returns its exit code."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    typed = shlex.join(["python", "-m", NAME, *given])
+    return command(NAME, EstimatorAccuracy, lambda o, console: judge(o, console, typed), "Interrupted.", given)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,144 @@
+"""Counted success: recorded attempts at the same action from the same c, which estimates are held against."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.dataset as pads
+from numpy.typing import NDArray
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Action, Configuration, FloatArray
+from ictamp_drake.learning.dataset import action, configuration, opened
+
+_CASE = ("scene", "state", "action", "box", "place")
+_START = ("spec", "q", "poses", "held", "gripper")
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """An action that was executed again and again from one c.
+
+    Attributes:
+        scene: number of the training scene.
+        state: number of c among those of its scene.
+        spec: the scene as JSON.
+        c: where every execution started.
+        action: what was tried.
+        outcomes: whether the promised state was reached, in the order of the draws, shape (executions,).
+    """
+
+    scene: int
+    state: int
+    spec: str
+    c: Configuration
+    action: Action
+    outcomes: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.outcomes)
+
+
+@dataclass(frozen=True, eq=False)
+class Counts:
+    """Executions of n cases.
+
+    Attributes:
+        scene: number of the training scene, shape (n,).
+        attempts: executions and refusals by motion planning, shape (n,).
+        successes: of them, shape (n,).
+    """
+
+    scene: NDArray[np.int_]
+    attempts: FloatArray
+    successes: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.scene)
+
+    @property
+    def share(self) -> FloatArray:
+        """GT, the ground truth: the share of successes, shape (n,)."""
+        return self.successes / self.attempts
+
+
+def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None) -> list[Case]:
+    """The cases of a skill, in the order of scenes and states; refusals by motion planning count as failures.
+
+    Args:
+        folder: of recorded attempts.
+        skill: pick or place.
+        least: attempts at a case; those with fewer are left out.
+        sampler: where k must come from; anywhere by default.
+
+    Raises:
+        IctampError: no attempts, too few of them, or all with the same outcome or in one scene.
+    """
+    groups = _grouped(folder, skill, sampler)
+    cases = [_case(rows) for _, rows in sorted(groups.items()) if len(rows) >= least]
+    if not cases:
+        most = max(map(len, groups.values()), default=0)
+        raise IctampError(
+            f"{folder}: no {skill} was attempted {least} times from the same c, the most is {most}; collect with "
+            f"--walk.draws {least}, lower --least or leave {skill} out of --skills"
+        )
+    _check(folder, skill, cases)
+    return cases
+
+
+def _grouped(folder: Path, skill: str, sampler: str | None) -> dict[tuple[Any, ...], list[dict[str, Any]]]:
+    """Rows of each case in the order of the draws."""
+    wanted = pads.field("action").cast(pa.string()) == skill
+    if sampler is not None:
+        wanted &= pads.field("sampler").cast(pa.string()) == sampler
+    table = opened(folder).to_table(columns=[*_CASE, *_START, "draw", "failure"], filter=wanted)
+    groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for row in table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]).to_pylist():
+        groups.setdefault(tuple(row[name] for name in _CASE), []).append(row)
+    return groups
+
+
+def _case(rows: Sequence[dict[str, Any]]) -> Case:
+    first, outcomes = rows[0], np.array([row["failure"] is None for row in rows])
+    return Case(first["scene"], first["state"], first["spec"], configuration(first), action(first), outcomes)
+
+
+def _check(folder: Path, skill: str, cases: Sequence[Case]) -> None:
+    """Raise IctampError unless figures and their intervals can be computed."""
+    attempts, successes = sum(map(len, cases)), sum(int(case.outcomes.sum()) for case in cases)
+    if successes in (0, attempts):
+        raise IctampError(
+            f"{folder}: of {attempts} attempts to {skill} {successes} succeeded, but both successes and failures are "
+            f"needed; collect in more scenes"
+        )
+    if len({case.scene for case in cases}) < 2:
+        raise IctampError(
+            f"{folder}: all cases of {skill} are in scene {cases[0].scene}, but intervals need two scenes at least; "
+            f"collect in more scenes"
+        )
+
+
+def counted(cases: Sequence[Case]) -> Counts:
+    """All executions of the cases."""
+    return _counts(cases, [case.outcomes for case in cases])
+
+
+def halves(cases: Sequence[Case]) -> tuple[Counts, Counts]:
+    """Every half of the executions of each case, and the other half of each, both of 2 n cases.
+
+    Neighbouring draws are in different halves.
+    """
+    even, odd = ([case.outcomes[start::2] for case in cases] for start in (0, 1))
+    twice = [*cases, *cases]
+    return _counts(twice, [*even, *odd]), _counts(twice, [*odd, *even])
+
+
+def _counts(cases: Sequence[Case], outcomes: Sequence[NDArray[np.bool_]]) -> Counts:
+    return Counts(
+        scene=np.array([case.scene for case in cases]),
+        attempts=np.array([len(each) for each in outcomes], dtype=np.float64),
+        successes=np.array([each.sum() for each in outcomes], dtype=np.float64),
+    )

@@ -1,0 +1,38 @@
+"""Recorded attempts from configurations that are what their scenes specify, with outcomes as one likes."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Attempt, Configuration
+from ictamp_drake.learning.cases import Case
+from ictamp_drake.learning.dataset import Row, scene_text, write
+from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.world.world import World
+
+OPEN = Configuration(np.zeros(9), {})
+
+
+def case(scene: int, outcomes: Sequence[bool], skill: str = "pick", state: int = 0) -> Case:
+    """A case of which nothing but its outcomes matters."""
+    return Case(scene, state, "", OPEN, Action(skill, ("box", "table")), np.array(outcomes, dtype=bool))
+
+
+def picks(number: int, outcomes: Sequence[bool], box: str | None = None, sampler: str = "policy") -> list[Row]:
+    """Picks of a box, the last on top by default, in a training scene as it is specified."""
+    spec = training_scene(number)
+    c = World(spec).initial_configuration()
+    highest = max(spec.boxes, key=lambda name: spec.boxes[name].position[2])
+    action = Action("pick", (box or highest, "table"))
+    failures = [None if success else Failure.NO_PATH for success in outcomes]
+    attempts = [Attempt[Configuration](action, failure) for failure in failures]
+    return [Row(number, scene_text(spec), 0, draw, sampler, c, each) for draw, each in enumerate(attempts)]
+
+
+def folder_of(folder: Path, *rows: Sequence[Row]) -> Path:
+    """A folder with the rows."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write([row for part in rows for row in part], folder / "all.parquet")
+    return folder

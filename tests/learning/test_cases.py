@@ -1,0 +1,68 @@
+"""Attempts counted by case."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.learning.cases import counted, halves, read_cases
+from ictamp_drake.learning.dataset import scene
+from ictamp_drake.scenes.training import training_scene
+from tests.learning.counted import case, folder_of, picks
+
+YES, NO = True, False
+
+
+def test_attempts_at_one_action_from_one_c_are_a_case(tmp_path: Path) -> None:
+    first, second = [YES, NO, YES], [NO, NO, YES, NO]
+    folder = folder_of(tmp_path, picks(3, first, "box_0"), picks(3, second, "box_1"), picks(4, second), picks(5, [YES]))
+    cases = read_cases(folder, "pick", least=2)
+    assert [(each.scene, len(each), each.outcomes.tolist()) for each in cases] == [
+        (3, 3, first),
+        (3, 4, second),
+        (4, 4, second),
+    ]
+    assert cases[0].action.args[0] == "box_0"
+    assert scene(cases[2].spec) == training_scene(4)
+    assert set(cases[2].c.poses) == set(training_scene(4).boxes)
+
+
+def test_only_attempts_of_the_sampler_count(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path, picks(3, [YES, NO]), picks(3, [NO] * 5, sampler="best"), picks(4, [NO, NO]))
+    assert [len(each) for each in read_cases(folder, "pick", least=2)] == [7, 2]
+    assert [len(each) for each in read_cases(folder, "pick", least=2, sampler="policy")] == [2, 2]
+
+
+def test_the_halves_are_all_executions_and_each_is_tested_on_the_other() -> None:
+    cases = [case(0, [YES, NO, YES, NO, YES]), case(1, [NO, YES])]
+    whole, (known, tested) = counted(cases), halves(cases)
+    np.testing.assert_array_equal(whole.share, [0.6, 0.5])
+    np.testing.assert_array_equal(known.attempts, [3, 1, 2, 1])
+    np.testing.assert_array_equal(known.successes, [3, 0, 0, 1])
+    np.testing.assert_array_equal(known.scene, [0, 1, 0, 1])
+    for half, other in (known, tested), (tested, known):
+        np.testing.assert_array_equal(half.attempts[:2] + other.attempts[:2], whole.attempts)
+        np.testing.assert_array_equal(half.successes[:2] + other.successes[:2], whole.successes)
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "least", "sentence"),
+    [
+        (([YES, NO], [YES]), 3, "no pick was attempted 3 times from the same c, the most is 2; collect with --walk.dr"),
+        (([YES, YES], [YES]), 1, "of 3 attempts to pick 3 succeeded, but both successes and failures are needed"),
+        (([NO, NO], [NO]), 1, "of 3 attempts to pick 0 succeeded"),
+        (([YES, NO], [YES]), 2, "all cases of pick are in scene 3, but intervals need two scenes at least"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused(
+    tmp_path: Path, outcomes: tuple[list[bool], list[bool]], least: int, sentence: str
+) -> None:
+    folder = folder_of(tmp_path, *(picks(number, each) for number, each in zip((3, 4), outcomes, strict=True)))
+    with pytest.raises(IctampError, match=f"{folder}: {sentence}"):
+        read_cases(folder, "pick", least)
+
+
+def test_a_folder_without_attempts_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(IctampError, match="no recorded attempts"):
+        read_cases(tmp_path / "nowhere", "pick", 2)
