@@ -4,7 +4,7 @@
 """
 
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +54,7 @@ def train(options: TrainSkill, course: Course) -> bool:
         return False
     calibrate(critic, course.parts.validation)
     improvement = Improvement(options.policy, critic)
-    complete = course.fit("policy", improvement, options.fit)
+    complete = replace(course, parts=course.parts.telling()).fit("policy", improvement, options.fit)
     model = SkillModel(improvement.policy, critic)
     Checkpoint(
         kind="policy",

@@ -42,6 +42,17 @@ class Batch:
         """Some of the attempts."""
         return Batch(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
+    def telling(self) -> "Batch":
+        """What a policy learns from: all successes, and of a situation that had none one attempt; in the same order.
+
+        The attempts at a situation stand one after the other.
+        """
+        changes = (self.matrix[1:] != self.matrix[:-1]).flatten(1).any(dim=1)
+        first = torch.cat([changes.new_ones(1), changes])
+        situation = first.long().cumsum(0) - 1
+        wins = torch.zeros(int(first.sum())).index_add_(0, situation, self.success)
+        return self.rows((self.success > 0) | (first & (wins[situation] == 0)))
+
     def bootstrapped(self, members: int, rng: np.random.Generator) -> "Batch":
         """Each member of an ensemble sees a sample of its own, drawn with replacement (Poisson's approximation)."""
         weight = torch.from_numpy(rng.poisson(1.0, (len(self), members)).astype(np.float32))
@@ -58,6 +69,10 @@ class Split(NamedTuple):
     def successes(self) -> "Split":
         """Without the failures."""
         return Split(*(part.rows(part.success > 0) for part in self))
+
+    def telling(self) -> "Split":
+        """What a policy learns from."""
+        return Split(*(part.telling() for part in self))
 
 
 def split(attempts: Attempts) -> Split:

@@ -45,6 +45,19 @@ def test_the_successes_of_each_part_can_be_had_alone(attempts: Attempts) -> None
         assert set(map(tuple, successes.k.tolist())) <= set(map(tuple, part.k.tolist()))
 
 
+def test_a_policy_learns_from_all_successes_and_once_from_what_never_succeeded(attempts: Attempts) -> None:
+    situations = np.unique(attempts.matrix, axis=0, return_inverse=True)[1]
+    order = np.argsort(situations, kind="stable")
+    whole = batch(attempts.chosen(order))
+    telling = whole.telling()
+    assert telling.success.sum() == whole.success.sum()
+    won = {row.numpy().tobytes() for row in whole.matrix[whole.success > 0]}
+    lost = [row.numpy().tobytes() for row in telling.matrix[telling.success == 0]]
+    assert len(lost) == len(set(lost)) > 0
+    assert {row.numpy().tobytes() for row in whole.matrix} == won | set(lost)
+    assert not won & set(lost)
+
+
 def test_too_few_attempts_are_refused(attempts: Attempts) -> None:
     few = attempts.chosen(attempts.scene < 20)
     with pytest.raises(IctampError, match=r"too few recorded attempts: of 0 in the validation scenes 0 succeeded"):
