@@ -61,7 +61,8 @@ class QValueConfig:
         folder, ahead = self.checkpoints or SHIPPED, self.horizon == "plan"
         learned = {skill: load_skill(folder, skill) for skill in SKILLS}
         dynamics = {skill: load_dynamics(folder, skill) for skill in SKILLS if ahead}
-        return QValue(self, Imagination(Observer(world.spec), learned, dynamics, depth=None if ahead else 1))
+        imagination = Imagination(Observer(world.spec), learned, dynamics, depth=None if ahead else 1)
+        return QValue(self, imagination, world.spec.seed)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""
@@ -71,17 +72,18 @@ class QValueConfig:
 
 
 class QValue:
-    """Q at draws of the policy, the same draws whenever the same options are asked about."""
+    """Q at draws of the policy, the same draws whenever the same options of a scene are asked about."""
 
-    def __init__(self, config: QValueConfig, imagination: Imagination) -> None:
+    def __init__(self, config: QValueConfig, imagination: Imagination, seed: int) -> None:
         self._config = config
         self._imagination = imagination
+        self._seed = seed
 
     def estimate(self, options: Sequence[Option]) -> FloatArray:
         """Q of each option, or the product of Q along its plan, shape (n,)."""
         if not options:
             return np.zeros(0)
-        config, rng = self._config, generator(Stream.EVALUATION)
+        config, rng = self._config, generator(Stream.EVALUATION, self._seed)
         rollouts = self._imagination.run(options, config.draws, rng)
         for _ in range(config.refinements):
             rollouts = self._imagination.run(options, config.draws, rng, refined(rollouts, rng))

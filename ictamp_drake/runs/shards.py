@@ -1,8 +1,8 @@
 """The files of a collection: a part for each scene as soon as it is over, joined in blocks of scenes."""
 
 import re
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -62,27 +62,26 @@ def summary(folder: Path) -> dict[str, Any]:
         IctampError: there are no recorded attempts in the folder.
     """
     stages = [f"{stage}_ms" for stage in STAGES]
-    table = opened(folder).to_table(columns=["scene", "action", "sampler", "failure", "executed", *stages]).to_pandas()
-    executed = table[table["executed"]]
-    seconds = {stage: float(table[f"{stage}_ms"].sum()) / 1000 for stage in STAGES}
+    rows = opened(folder).to_table(columns=["scene", "action", "sampler", "failure", "executed", *stages]).to_pylist()
+    seconds = {stage: sum(row[f"{stage}_ms"] for row in rows) / 1000 for stage in STAGES}
     size = sum(path.stat().st_size for path in folder.glob("*.parquet"))
+    by_sampler, failures = defaultdict[str, list[dict[str, Any]]](list), defaultdict[str, Counter[str]](Counter)
+    for row in rows:
+        by_sampler[f"{row['action']}, {row['sampler']}"].append(row)
+        failures[row["action"]].update([row["failure"]] if row["failure"] else [])
     return {
-        "scenes": int(table["scene"].nunique()),
-        "attempts": len(table),
-        "executed": len(executed),
-        "succeeded": int(executed["failure"].isna().sum()),
+        "scenes": len({row["scene"] for row in rows}),
+        **_counts(rows),
         "bytes": size,
         "cpu_hours": {stage: round(value / 3600, 3) for stage, value in seconds.items()},
-        "by_skill_and_sampler": {
-            f"{action}, {sampler}": {
-                "attempts": len(group),
-                "executed": int(group["executed"].sum()),
-                "succeeded": int(group["failure"].isna().sum()),
-            }
-            for (action, sampler), group in table.groupby(["action", "sampler"], observed=True)
-        },
-        "failures": {
-            str(action): dict(Counter(group["failure"].dropna().astype(str)).most_common())
-            for action, group in table.groupby("action", observed=True)
-        },
+        "by_skill_and_sampler": {name: _counts(group) for name, group in sorted(by_sampler.items())},
+        "failures": {action: dict(counts.most_common()) for action, counts in sorted(failures.items())},
+    }
+
+
+def _counts(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    return {
+        "attempts": len(rows),
+        "executed": sum(row["executed"] for row in rows),
+        "succeeded": sum(row["failure"] is None for row in rows),
     }
