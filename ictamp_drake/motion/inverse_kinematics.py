@@ -34,7 +34,7 @@ class KinematicsConfig:
         joint_margin: distance kept from the joint limits [rad].
         guess_weight: cost of the distance from the guess; larger gives solutions nearer to it.
         comfort_weight: cost of the distance from the arm's comfortable configuration.
-        attempts: guesses tried, the given one and random ones.
+        attempts: guesses tried, the given one, the comfortable one and random ones.
         spread: of the random guesses about the comfortable configuration, as part of the joint ranges.
         line_step: longest step of the hand along a straight line [m]; turns count as `line_radius` times the angle.
         line_radius: [m].
@@ -47,7 +47,7 @@ class KinematicsConfig:
     joint_margin: float = 0.02
     guess_weight: float = 1.0
     comfort_weight: float = 0.1
-    attempts: int = 4
+    attempts: int = 6
     spread: float = 0.35
     line_step: float = 0.02
     line_radius: float = 0.1
@@ -110,12 +110,11 @@ class ArmKinematics:
         self._target.SetPoseInParentFrame(self._context, X_WG)
         comfort = self.comfortable(X_WG)
         spread = self.config.spread * (UPPER - LOWER)
-        guess = np.clip(q_guess, self.lower, self.upper)
-        for _ in range(attempts or self.config.attempts):
-            q = self._solve_from(guess, comfort)
+        for attempt in range(attempts or self.config.attempts):
+            guess = q_guess if attempt == 0 else comfort if attempt == 1 else comfort + rng.uniform(-spread, spread)
+            q = self._solve_from(np.clip(guess, self.lower, self.upper), comfort)
             if q is not None and (accept is None or accept(q)):
                 return q
-            guess = np.clip(comfort + rng.uniform(-spread, spread), self.lower, self.upper)
         return None
 
     def comfortable(self, X_WG: RigidTransform) -> FloatArray:

@@ -21,6 +21,9 @@ from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 
+_STUCK = "the arm cannot follow the straight line"
+
+
 class Refusal(NamedTuple):
     """Why there is no motion: the failure, and one sentence more than it says, or none."""
 
@@ -61,24 +64,41 @@ class MotionPlanner:
         with self.stopwatch.stage("collision check"):
             self.scene.set_configuration(c)
 
-    def posture(self, X_WG: RigidTransform, q_guess: FloatArray, rng: np.random.Generator) -> FloatArray | Refusal:
+    def posture(
+        self,
+        X_WG: RigidTransform,
+        q_guess: FloatArray,
+        rng: np.random.Generator,
+        towards: RigidTransform | None = None,
+    ) -> FloatArray | Refusal:
         """Joint positions with G at X_WG and no collision, near q_guess, shape (7,) [rad].
+
+        Args:
+            X_WG: where G shall be.
+            q_guess: where the search starts.
+            rng: draws further starts.
+            towards: a pose of G that the arm must be able to follow a straight line to; collisions on it do not count.
 
         Returns:
             NO_INVERSE_KINEMATICS when G can't be brought there, GOAL_IN_COLLISION when every solution collides.
         """
         colliding: list[FloatArray] = []
+        stuck = False
 
         def accept(q: FloatArray) -> bool:
-            free = self.scene.is_free(q)
-            if not free:
+            nonlocal stuck
+            if not self.scene.is_free(q):
                 colliding.append(q)
-            return free
+                return False
+            stuck = towards is not None and self.kinematics.line(q, towards) is None
+            return not stuck
 
         with self.stopwatch.stage("inverse kinematics"):
             q = self.kinematics.solve(X_WG, q_guess, rng, accept=accept)
         if q is not None:
             return q
+        if stuck:
+            return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         if colliding:
             return Refusal(Failure.GOAL_IN_COLLISION, str(self.scene.first_contact(np.array(colliding)) or ""))
         return Refusal(Failure.NO_INVERSE_KINEMATICS)
@@ -91,7 +111,7 @@ class MotionPlanner:
         with self.stopwatch.stage("inverse kinematics"):
             path = self.kinematics.line(q0, X_WG1)
         if path is None:
-            return Refusal(Failure.NO_INVERSE_KINEMATICS, "the arm cannot follow the straight line")
+            return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         with self.stopwatch.stage("trajectory"):
             points = max(self.config.trajectory.control_points, len(path) + 5)
             trajectory = self.optimizer.along(path, self.config.line_radius, points)

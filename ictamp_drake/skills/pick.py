@@ -42,7 +42,7 @@ class Pick:
         above = self._world.upright(c, box).size[2] / 2 - k[2] + TIP + self._config.margin
 
         planner.set_configuration(imagined(c, q=c.q[:7], width=OPEN.width, held=None))
-        q_grasp = planner.posture(X_WG, c.q[:7], rng)
+        q_grasp = planner.posture(X_WG, c.q[:7], rng, towards=raised(X_WG, above))
         if isinstance(q_grasp, Refusal):
             return q_grasp
         back = planner.straight(q_grasp, raised(X_WG, above))
