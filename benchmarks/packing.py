@@ -1,8 +1,12 @@
-"""The figures of the constrained packing problems: `python benchmarks/packing.py`, about half an hour on 2 cores.
+"""The figures of the constrained packing problems: `python benchmarks/packing.py`, about an hour on 2 cores.
 
-Runs all three levels with the default options into runs/benchmark-LEVEL (a second call continues where the first one
-was interrupted), executes every plan found once more with a step of 1 ms, and writes the records and a table to
-benchmarks/packing/.
+Solves all three levels with several methods, one after the other level by level. Regime "default": what the package
+does by default, and the optimisation-based sampler with a constant P. Regime "paper": one draw of k a step, which is
+not drawn anew when it has no motion, and what policy and P buy there. A second call continues where the first one was
+interrupted. Plans of the default regime are executed once more with a step of 1 ms. Writes the records and a table to
+benchmarks/packing/REGIME/.
+
+python benchmarks/packing.py --regime paper --levels easy medium
 """
 
 import dataclasses
@@ -10,10 +14,13 @@ import json
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any, Literal
 
 import pandas as pd
+import tyro
 
 from ictamp_drake.runs.plan_file import read_plan
 from ictamp_drake.runs.provenance import provenance
@@ -24,20 +31,50 @@ ROOT = Path(__file__).parents[1]
 OUT = ROOT / "benchmarks" / "packing"
 FINE_STEP = 0.001
 """Time step at which plans are executed again [s]."""
-HEADING = """\
-# Constrained packing, default options
-
-Medians over the problems of a level, by `python benchmarks/packing.py`.
-"""
 STEP_STAGES = ["sampling", "motion", "physics", "abstraction"]
+ONE_DRAW = ("--skills.draws", "1", "--samplers.policy.candidates", "1")
+METHODS: dict[str, dict[str, tuple[str, ...]]] = {
+    "default": {
+        "policy, P": (),
+        "optimisation, constant": ("--sampler", "optimisation", "--estimator", "constant"),
+    },
+    "paper": {
+        "policy, P": ONE_DRAW,
+        "policy, Q": (*ONE_DRAW, "--estimator", "q-value"),
+        "policy, constant": (*ONE_DRAW, "--estimator", "constant"),
+        "uniform, P": (*ONE_DRAW, "--sampler", "uniform"),
+        "uniform, constant": (*ONE_DRAW, "--sampler", "uniform", "--estimator", "constant"),
+    },
+}
+"""Options of each method, by regime."""
 
 
-def run_level(level: str) -> Path:
-    """Plan all problems of a level; returns the run's folder."""
-    folder = ROOT / "runs" / f"benchmark-{level}"
-    program = [sys.executable, "-m", "ictamp_drake.experiments.packing"]
-    subprocess.run([*program, "--level", level, "--artefacts", "plan", "--out", str(folder)], check=True)
-    return folder
+@dataclass(frozen=True)
+class Options:
+    """What is run.
+
+    Attributes:
+        regime: default or paper.
+        levels: of the problems.
+    """
+
+    regime: Literal["default", "paper"] = "default"
+    levels: tuple[str, ...] = tuple(LEVELS)
+
+
+def run(regime: str, method: str, level: str) -> list[dict[str, Any]]:
+    """The records of all problems of a level, in their order."""
+    name = f"benchmark-{regime}-{method.replace(', ', '-')}-{level}"
+    folder = ROOT / "runs" / name
+    program = [sys.executable, "-m", "ictamp_drake.experiments.packing", "--level", level, "--artefacts", "plan"]
+    subprocess.run([*program, "--out", str(folder), *METHODS[regime][method]], check=True)
+    records = [json.loads(line) for line in (folder / "results.jsonl").read_text().splitlines()]
+    if regime == "default":
+        plans = {record["problem"]: folder / record["problem"] / "plan.yaml" for record in records if record["solved"]}
+        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+            fine = dict(zip(plans, pool.map(holds_at_fine_step, plans.values()), strict=True))
+        records = [record | {"holds_at_1ms": fine.get(record["problem"])} for record in records]
+    return [{"method": method, **record} for record in sorted(records, key=lambda record: record["problem"])]
 
 
 def holds_at_fine_step(plan: Path) -> bool:
@@ -46,45 +83,37 @@ def holds_at_fine_step(plan: Path) -> bool:
 
 
 def table(records: pd.DataFrame) -> pd.DataFrame:
-    """The figures of each level."""
+    """The figures of each level and method; unsolved problems count with the time and the steps that they took."""
     stages = pd.json_normalize(records["seconds_by_stage"])
-    records["step_s"] = stages[STEP_STAGES].sum(axis=1) / records["low_level_steps"]
+    records["step_s"] = stages.reindex(columns=STEP_STAGES).sum(axis=1) / records["low_level_steps"]
     records["steps_per_skill"] = records["low_level_steps"] / records["plan_length"]
     records["overhead"] = records["planning_time_s"] / records["replay_time_s"]
-    levels = records.groupby("level", sort=False)
-    medians = levels[["planning_time_s", "low_level_steps", "steps_per_skill", "step_s", "overhead"]].median()
-    return pd.concat([levels["solved"].agg(["sum", "size"]), medians, levels["holds_at_1ms"].sum()], axis=1).rename(
-        columns={
-            "sum": "solved and verified",
-            "size": "problems",
-            "planning_time_s": "time [s]",
-            "low_level_steps": "low-level steps",
-            "steps_per_skill": "steps / skill",
-            "step_s": "time of a step [s]",
-            "overhead": "planning / replay time",
-            "holds_at_1ms": "hold at 1 ms",
-        }
-    )
+    groups = records.groupby(["level", "method"], sort=False)
+    medians = ["planning_time_s", "high_level_plans", "low_level_steps", "steps_per_skill", "step_s", "overhead"]
+    found = pd.concat([groups["solved"].agg(["sum", "size"]), groups[medians].median()], axis=1)
+    if "holds_at_1ms" in records:
+        found["hold at 1 ms"] = groups["holds_at_1ms"].sum()
+    titles = ["solved and verified", "problems", "time [s]", "plans", "low-level steps", "steps / skill"]
+    titles += ["time of a step [s]", "planning / replay time"]
+    return found.rename(columns=dict(zip(["sum", "size", *medians], titles, strict=True)))
 
 
 def main() -> None:
     """Run, judge, write."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    rows = []
-    for level in LEVELS:
-        folder = run_level(level)
-        records = [json.loads(line) for line in (folder / "results.jsonl").read_text().splitlines()]
-        plans = {r["problem"]: folder / r["problem"] / "plan.yaml" for r in records if r["solved"]}
-        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
-            fine = dict(zip(plans, pool.map(holds_at_fine_step, plans.values()), strict=True))
-        rows += sorted((r | {"holds_at_1ms": fine.get(r["problem"])} for r in records), key=lambda r: r["problem"])
-    (OUT / "results.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+    options = tyro.cli(Options, description=__doc__)
+    methods = METHODS[options.regime]
+    rows = [row for level in options.levels for method in methods for row in run(options.regime, method, level)]
+    out = OUT / options.regime
+    out.mkdir(parents=True, exist_ok=True)
+    (out / "results.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
     figures = table(pd.DataFrame(rows)).round(2).reset_index()
     lines = [" | ".join(map(str, line)) for line in [figures.columns, ["---"] * len(figures.columns), *figures.values]]
     origin = provenance()
     about = f"Commit {origin['commit']}, drake {origin['versions']['drake']}, {origin['host']['cores']} cores."
-    (OUT / "table.md").write_text(f"{HEADING}\n{about}\n\n" + "".join(f"| {line} |\n" for line in lines))
-    print((OUT / "table.md").read_text())
+    heading = f"# Constrained packing, regime {options.regime}\n\nMedians over a level's problems, by "
+    text = f"{heading}`python benchmarks/packing.py --regime {options.regime}`.\n\n{about}\n\n"
+    (out / "table.md").write_text(text + "".join(f"| {line} |\n" for line in lines))
+    print((out / "table.md").read_text())
 
 
 if __name__ == "__main__":

@@ -22,10 +22,10 @@ SKILLS = ("pick", "place")
 """Each has networks of its own."""
 
 K_SCHEMA = {
-    "version": 2,
+    "version": 3,
     "pick": "x, y, z over half the box's sides along U's axes; yaw in radians",
     "place": "x, y over half the top face's sides, z as (z - 0.010 m) / 0.012 m; yaw in radians",
-    "critics, dynamics": "also see the hand at k from the base, all objects from k, and what is free around the hand",
+    "networks": "also see the hand at k from the base, all objects from k, and what is free around the hand",
 }
 """How networks read and write k; a new version of `learning.parameters` needs another one here."""
 

@@ -30,10 +30,8 @@ class Classifier(nn.Module):
         super().__init__()
         self.skill = skill
         self.sees_k = sees_k
-        columns, extra = SCHEMA.width, 0
-        if sees_k:
-            columns, extra = columns + parameters.SEEN, parameters.FEATURES
-        self.network = network.create(columns, extra, 1)
+        views = 1 if sees_k else parameters.GLIMPSES
+        self.network = network.create(SCHEMA.width + views * parameters.SEEN, views * parameters.FEATURES, 1)
         self.register_buffer("platt", torch.tensor([1.0, 0.0]))
 
     def forward(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Tensor:
@@ -47,9 +45,10 @@ class Classifier(nn.Module):
         Returns:
             Shape (members, n).
         """
-        if not self.sees_k or k is None:
-            return self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[..., 0]
-        rows, extra = parameters.with_k(self.skill, matrix, k)
+        if self.sees_k and k is not None:
+            rows, extra = parameters.with_k(self.skill, matrix, k)
+        else:
+            rows, extra = parameters.glimpses(self.skill, matrix)
         return self.network(rows, mask, extra)[..., 0]
 
     def belief(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Belief:

@@ -87,7 +87,7 @@ def load_skill(folder: Path, skill: str) -> SkillModel:
     found = load(folder, "policy", skill)
     path = folder / name_of("policy", skill)
     with _described(path):
-        policy = policy_network(found.network["policy"]).create()
+        policy = policy_network(found.network["policy"]).create(skill)
         critic = Classifier(skill, NetworkConfig(**found.network["critic"]), sees_k=True)
     return SkillModel(_filled(policy, found.arrays, "policy.", path), _filled(critic, found.arrays, "critic.", path))
 

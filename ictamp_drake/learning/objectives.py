@@ -113,7 +113,7 @@ class Improvement:
 
     def __init__(self, config: PolicyTraining, critic: Classifier) -> None:
         self.skill = critic.skill
-        self.policy = config.network.create()
+        self.policy = config.network.create(critic.skill)
         self.module = _Tempered(self.policy, config.temperature)
         self._critic = copy.deepcopy(critic).requires_grad_(False).eval()
         self._config = config

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ictamp_drake.learning.clearance import PARTS, Blocks, clearances
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
-from ictamp_drake.world.observation import SCHEMA
+from ictamp_drake.world.observation import ROWS, SCHEMA
 
 PLACE_HEIGHT = (0.010, 0.012)
 """Middle and half of the range of a placement's height above the top face [m]."""
@@ -20,6 +20,8 @@ SEEN = 12 + PARTS
 """Numbers of an object as seen from k."""
 FEATURES = 24
 """Numbers of k itself."""
+GLIMPSES = 4
+"""Ways in which the target is looked at when k is not known."""
 _DISTANCE = 0.2
 """Scale of distances as seen from k [m]."""
 
@@ -150,6 +152,19 @@ def axes(pose: Tensor) -> Tensor:
 def with_k(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
     """What a network is given that sees k too: rows, (n, 8, D + SEEN), and numbers of k itself, (n, FEATURES)."""
     return torch.cat([matrix, seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
+
+
+def glimpses(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
+    """What a network is given that sees no k: the matrix, and what there is to see from the middle of the target.
+
+    With the hand turned in four ways; rows of shape (n, 8, D + 4 SEEN) and numbers of shape (n, 4 FEATURES).
+    """
+    count = len(matrix)
+    yaw = torch.arange(GLIMPSES) * 2 * math.pi / GLIMPSES
+    k = torch.cat([matrix.new_zeros(GLIMPSES, 3), yaw[:, None]], dim=-1).repeat(count, 1)
+    several = matrix.repeat_interleave(GLIMPSES, 0)
+    seen = seen_from(skill, several, k).reshape(count, GLIMPSES, ROWS, SEEN).transpose(1, 2).flatten(2)
+    return torch.cat([matrix, seen], dim=-1), features(skill, several, k).reshape(count, -1)
 
 
 def seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:

@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from torch.nn.functional import softplus
 
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.parameters import wrapped
+from ictamp_drake.learning.parameters import FEATURES, GLIMPSES, SEEN, glimpses, wrapped
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import SCHEMA
 
@@ -32,9 +32,9 @@ class PolicyNetworkConfig:
         check_range("components", self.components, 1, 100)
         check_range("policy.network.network.members", self.network.members, 1, 1)
 
-    def create(self) -> "Mixture | Squashed":
+    def create(self, skill: str) -> "Mixture | Squashed":
         """The policy of one skill."""
-        return Mixture(self) if self.kind == "mixture" else Squashed(self)
+        return Mixture(skill, self) if self.kind == "mixture" else Squashed(self)
 
 
 class Branches(NamedTuple):
@@ -57,13 +57,16 @@ class Mixture(nn.Module):
     log_std = (-6.0, 1.0)
     """Least and greatest logarithm of a standard deviation."""
 
-    def __init__(self, config: PolicyNetworkConfig) -> None:
+    def __init__(self, skill: str, config: PolicyNetworkConfig) -> None:
         super().__init__()
-        self.network = config.network.create(SCHEMA.width, 0, config.components * 10)
+        self.skill = skill
+        columns, extra = SCHEMA.width + GLIMPSES * SEEN, GLIMPSES * FEATURES
+        self.network = config.network.create(columns, extra, config.components * 10)
 
     def _numbers(self, matrix: Tensor, mask: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Logarithm of the weight (n, c), mean (n, c, 4) and standard deviation (n, c, 4) of each component."""
-        raw = self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[0].reshape(len(matrix), -1, 10)
+        rows, extra = glimpses(self.skill, matrix)
+        raw = self.network(rows, mask, extra)[0].reshape(len(matrix), -1, 10)
         yaw = torch.atan2(raw[..., 4:5], raw[..., 5:6] + 1e-6)
         low, high = self.log_std
         std = (low + (high - low) * torch.sigmoid(raw[..., 6:10])).exp()

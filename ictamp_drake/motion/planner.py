@@ -20,7 +20,6 @@ from ictamp_drake.motion.trajectory import Trajectory, sample
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
-
 _STUCK = "the arm cannot follow the straight line"
 
 

@@ -68,7 +68,7 @@ def untrained(folder: Path) -> Path:
     """A folder with a policy, an estimator and dynamics of each skill that have their starting weights."""
     torch.manual_seed(0)
     for skill in ("pick", "place"):
-        critic, policy = Classifier(skill, SIZE, sees_k=True), POLICY.create()
+        critic, policy = Classifier(skill, SIZE, sees_k=True), POLICY.create(skill)
         arrays = {**arrays_of(policy, "policy."), **arrays_of(critic, "critic.")}
         network = {"policy": asdict(POLICY), "critic": asdict(SIZE)}
         Checkpoint("policy", skill, arrays, network, PROVENANCE, {"auc": 0.5}).save(folder)

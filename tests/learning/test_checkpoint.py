@@ -74,7 +74,7 @@ def test_another_way_to_read_k_is_refused(tmp_path: Path) -> None:
     path = CHECKPOINT.save(tmp_path)
     arrays, metadata = read(path)
     write(path, arrays, {**metadata, "k": {"version": 0}})
-    refused(tmp_path, r"reads k in the way of version 0, but this package in that of 2; train it again")
+    refused(tmp_path, r"reads k in the way of version 0, but this package in that of 3; train it again")
 
 
 @pytest.mark.parametrize(

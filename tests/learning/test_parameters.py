@@ -9,7 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action, Configuration
-from ictamp_drake.learning.parameters import FEATURES, SEEN, features, normalised, parameter, seen_from, wrapped
+from ictamp_drake.learning.parameters import (
+    FEATURES,
+    GLIMPSES,
+    SEEN,
+    features,
+    glimpses,
+    normalised,
+    parameter,
+    seen_from,
+    wrapped,
+)
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
@@ -122,3 +132,18 @@ def test_a_full_turn_changes_nothing(skill: str, yaw: float) -> None:
     assert features(skill, matrix, k).shape == (2, FEATURES)
     torch.testing.assert_close(features(skill, matrix, k), features(skill, matrix, turned), rtol=1e-3, atol=1e-4)
     torch.testing.assert_close(seen_from(skill, matrix, k), seen_from(skill, matrix, turned), rtol=1e-3, atol=1e-4)
+
+
+@pytest.mark.parametrize("skill", ["pick", "place"])
+def test_glimpses_are_views_from_the_middle_of_the_target(skill: str) -> None:
+    matrix, _ = matrices(3)
+    rows, extra = glimpses(skill, matrix)
+    assert rows.shape == (3, ROWS, SCHEMA.width + GLIMPSES * SEEN)
+    assert extra.shape == (3, GLIMPSES * FEATURES)
+    torch.testing.assert_close(rows[..., : SCHEMA.width], matrix)
+    for number, yaw in enumerate((0.0, math.pi / 2, math.pi, -math.pi / 2)):
+        k = torch.tensor([0.0, 0.0, 0.0, yaw]).expand(3, 4)
+        seen = rows[..., SCHEMA.width :][..., number * SEEN :][..., :SEEN]
+        torch.testing.assert_close(seen, seen_from(skill, matrix, k), rtol=1e-3, atol=1e-4)
+        mine = extra[:, number * FEATURES :][:, :FEATURES]
+        torch.testing.assert_close(mine, features(skill, matrix, k), rtol=1e-3, atol=1e-4)

@@ -18,7 +18,7 @@ CONFIGS = {
 
 def created(name: str, **changes: object) -> Policy:
     torch.manual_seed(0)
-    return replace(CONFIGS[name], **changes).create().eval()  # type: ignore[arg-type]
+    return replace(CONFIGS[name], **changes).create("pick").eval()  # type: ignore[arg-type]
 
 
 @pytest.fixture(params=list(CONFIGS))
