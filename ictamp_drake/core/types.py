@@ -6,6 +6,7 @@ seconds, kilograms. A pose is an array of seven numbers, unit quaternion (w, x, 
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -114,15 +115,16 @@ class Configuration:
         object.__setattr__(self, "q", _frozen(self.q))
         object.__setattr__(self, "poses", {name: _frozen(self.poses[name]) for name in sorted(self.poses)})
 
+    @cached_property
     def _key(self) -> tuple[Hashable, ...]:
         poses = tuple((name, pose.tobytes()) for name, pose in self.poses.items())
         return self.q.tobytes(), poses, self.held, self.gripper
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Configuration) and self._key() == other._key()
+        return isinstance(other, Configuration) and self._key == other._key
 
     def __hash__(self) -> int:
-        return hash(self._key())
+        return hash(self._key)
 
     def __reduce__(self) -> tuple[type["Configuration"], tuple[object, ...]]:
         return Configuration, (self.q, self.poses, self.held, self.gripper)  # arrays lose their write protection else

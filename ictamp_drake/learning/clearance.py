@@ -45,10 +45,9 @@ def clearances(hand: Tensor, heading: Tensor, box: Blocks, objects: Blocks) -> T
     side = GRIPPER_MAX_WIDTH / 2 + FINGER[1]
     across = torch.stack([-heading[:, 1], heading[:, 0]], dim=-1) * side
     fingers = [_part(hand, heading, FINGER, shift) for shift in (across, -across)]
-    distances = [
-        _distance(part, objects) for part in (*fingers, _part(hand, heading, PALM), _part(hand, heading, WRIST), box)
-    ]
-    return torch.stack([torch.minimum(*distances[:2]), *distances[2:]], dim=-1)
+    parts = [*fingers, _part(hand, heading, PALM), _part(hand, heading, WRIST), box]
+    distances = _distances(Blocks(*(torch.stack(each, dim=1) for each in zip(*parts, strict=True))), objects)
+    return torch.cat([distances[..., :2].amin(dim=-1, keepdim=True), distances[..., 2:]], dim=-1)
 
 
 def _part(hand: Tensor, heading: Tensor, size: tuple[float, float, float], shift: Tensor | float = 0.0) -> Blocks:
@@ -57,12 +56,16 @@ def _part(hand: Tensor, heading: Tensor, size: tuple[float, float, float], shift
     return Blocks(centre, heading, hand.new_tensor([*size[:2], 0.0]).expand(len(hand), 3))
 
 
-def _distance(part: Blocks, objects: Blocks) -> Tensor:
-    """Greatest gap along the horizontal normals of their faces, or from the part down to the object's top."""
-    part = Blocks(*(each[:, None] for each in part))
-    between = objects.centre - part.centre
-    below = -between[..., 2] - objects.half[..., 2] - part.half[..., 2]
-    return torch.stack([_gap(between, part, objects), _gap(between, objects, part), below]).amax(dim=0)
+def _distances(parts: Blocks, objects: Blocks) -> Tensor:
+    """Greatest gap along the horizontal normals of their faces, or from the part down to the object's top.
+
+    Of n times p parts and n times m objects, shape (n, m, p).
+    """
+    parts, objects = Blocks(*(each[:, None] for each in parts)), Blocks(*(each[:, :, None] for each in objects))
+    between = objects.centre - parts.centre
+    below = -between[..., 2] - objects.half[..., 2] - parts.half[..., 2]
+    beside = torch.maximum(_gap(between, parts, objects), _gap(between, objects, parts))
+    return torch.maximum(beside, below)
 
 
 def _gap(between: Tensor, one: Blocks, other: Blocks) -> Tensor:

@@ -20,7 +20,7 @@ SEEN = 12 + PARTS
 """Numbers of an object as seen from k."""
 FEATURES = 24
 """Numbers of k itself."""
-GLIMPSES = 4
+GLIMPSES = 2
 """Ways in which the target is looked at when k is not known."""
 _DISTANCE = 0.2
 """Scale of distances as seen from k [m]."""
@@ -157,10 +157,10 @@ def with_k(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
 def glimpses(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
     """What a network is given that sees no k: the matrix, and what there is to see from the middle of the target.
 
-    With the hand turned in four ways; rows of shape (n, 8, D + 4 SEEN) and numbers of shape (n, 4 FEATURES).
+    With the hand along the target and across it; rows, (n, 8, D + 2 SEEN), and numbers, (n, 2 FEATURES).
     """
     count = len(matrix)
-    yaw = torch.arange(GLIMPSES) * 2 * math.pi / GLIMPSES
+    yaw = torch.arange(GLIMPSES) * math.pi / GLIMPSES
     k = torch.cat([matrix.new_zeros(GLIMPSES, 3), yaw[:, None]], dim=-1).repeat(count, 1)
     several = matrix.repeat_interleave(GLIMPSES, 0)
     seen = seen_from(skill, several, k).reshape(count, GLIMPSES, ROWS, SEEN).transpose(1, 2).flatten(2)

@@ -141,7 +141,7 @@ def test_glimpses_are_views_from_the_middle_of_the_target(skill: str) -> None:
     assert rows.shape == (3, ROWS, SCHEMA.width + GLIMPSES * SEEN)
     assert extra.shape == (3, GLIMPSES * FEATURES)
     torch.testing.assert_close(rows[..., : SCHEMA.width], matrix)
-    for number, yaw in enumerate((0.0, math.pi / 2, math.pi, -math.pi / 2)):
+    for number, yaw in enumerate((0.0, math.pi / 2)):
         k = torch.tensor([0.0, 0.0, 0.0, yaw]).expand(3, 4)
         seen = rows[..., SCHEMA.width :][..., number * SEEN :][..., :SEEN]
         torch.testing.assert_close(seen, seen_from(skill, matrix, k), rtol=1e-3, atol=1e-4)
