@@ -36,6 +36,22 @@ def test_posture_is_free_of_collisions(planner: MotionPlanner, down) -> None:
     assert planner.scene.is_free(posture(planner, down(0.5, 0.3, 0.08)))
 
 
+@pytest.mark.parametrize("place", [(0.0, 0.31, 0.06, 2.56), (-0.03, 0.33, 0.06, 1.78)])
+def test_posture_leaves_the_way_up_open(planner: MotionPlanner, down, place) -> None:
+    """The nearest posture does not, another one does."""
+    X_WG, X_WG1 = down(*place), down(*place[:2], place[2] + 0.15, place[3])
+    assert planner.kinematics.line(posture(planner, X_WG), X_WG1) is None
+    q = planner.posture(X_WG, HOME, rng(), towards=X_WG1)
+    assert not isinstance(q, Refusal)
+    assert planner.scene.is_free(q)
+    assert planner.kinematics.line(q, X_WG1) is not None
+
+
+def test_posture_without_a_way_up_is_refused(planner: MotionPlanner, down) -> None:
+    refusal = planner.posture(down(0.6, -0.05, 0.1), HOME, rng(), towards=down(0.6, -0.05, 1.4))
+    assert refusal == Refusal(Failure.NO_INVERSE_KINEMATICS, "the arm cannot follow the straight line")
+
+
 @pytest.mark.parametrize(
     ("place", "failure", "detail"),
     [
