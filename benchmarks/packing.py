@@ -1,10 +1,10 @@
 """The figures of the constrained packing problems: `python benchmarks/packing.py`, about an hour on 2 cores.
 
-Solves all three levels with several methods, one after the other level by level. Regime "default": what the package
-does by default, and the optimisation-based sampler with a constant P. Regime "paper": one draw of k a step, which is
-not drawn anew when it has no motion, and what policy and P buy there. A second call continues where the first one was
-interrupted. Plans of the default regime are executed once more with a step of 1 ms. Writes the records and a table to
-benchmarks/packing/REGIME/.
+Solves all three levels with several methods, one after the other level by level. Regime "default": several k a step, of
+which the first that has a motion is executed, from the optimisation-based sampler and from the policy. Regime "paper":
+one draw of k a step, which is not drawn anew when it has no motion, and what policy and P buy there. A second call
+continues where the first one was interrupted. Plans of the default regime are executed once more with a step of 1 ms.
+Writes the records and a table to benchmarks/packing/REGIME/.
 
 python benchmarks/packing.py --regime paper --levels easy medium
 """
@@ -22,6 +22,7 @@ from typing import Any, Literal
 import pandas as pd
 import tyro
 
+from ictamp_drake.runs import markdown
 from ictamp_drake.runs.plan_file import read_plan
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.scenes.levels import LEVELS
@@ -35,14 +36,14 @@ STEP_STAGES = ["sampling", "motion", "physics", "abstraction"]
 ONE_DRAW = ("--skills.draws", "1", "--samplers.policy.candidates", "1")
 METHODS: dict[str, dict[str, tuple[str, ...]]] = {
     "default": {
-        "policy, P": (),
         "optimisation, constant": ("--sampler", "optimisation", "--estimator", "constant"),
+        "policy, P": ("--sampler", "policy", "--estimator", "p-score"),
     },
     "paper": {
-        "policy, P": ONE_DRAW,
-        "policy, Q": (*ONE_DRAW, "--estimator", "q-value"),
-        "policy, constant": (*ONE_DRAW, "--estimator", "constant"),
-        "uniform, P": (*ONE_DRAW, "--sampler", "uniform"),
+        "policy, P": (*ONE_DRAW, "--sampler", "policy", "--estimator", "p-score"),
+        "policy, Q": (*ONE_DRAW, "--sampler", "policy", "--estimator", "q-value"),
+        "policy, constant": (*ONE_DRAW, "--sampler", "policy", "--estimator", "constant"),
+        "uniform, P": (*ONE_DRAW, "--sampler", "uniform", "--estimator", "p-score"),
         "uniform, constant": (*ONE_DRAW, "--sampler", "uniform", "--estimator", "constant"),
     },
 }
@@ -55,10 +56,12 @@ class Options:
 
     Attributes:
         regime: default or paper.
+        methods: of the regime, all by default.
         levels: of the problems.
     """
 
     regime: Literal["default", "paper"] = "default"
+    methods: tuple[str, ...] = ()
     levels: tuple[str, ...] = tuple(LEVELS)
 
 
@@ -101,18 +104,18 @@ def table(records: pd.DataFrame) -> pd.DataFrame:
 def main() -> None:
     """Run, judge, write."""
     options = tyro.cli(Options, description=__doc__)
-    methods = METHODS[options.regime]
+    methods = options.methods or tuple(METHODS[options.regime])
     rows = [row for level in options.levels for method in methods for row in run(options.regime, method, level)]
     out = OUT / options.regime
     out.mkdir(parents=True, exist_ok=True)
     (out / "results.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
     figures = table(pd.DataFrame(rows)).round(2).reset_index()
-    lines = [" | ".join(map(str, line)) for line in [figures.columns, ["---"] * len(figures.columns), *figures.values]]
+    lines = markdown.table(figures.columns, figures.to_numpy())
     origin = provenance()
     about = f"Commit {origin['commit']}, drake {origin['versions']['drake']}, {origin['host']['cores']} cores."
     heading = f"# Constrained packing, regime {options.regime}\n\nMedians over a level's problems, by "
     text = f"{heading}`python benchmarks/packing.py --regime {options.regime}`.\n\n{about}\n\n"
-    (out / "table.md").write_text(text + "".join(f"| {line} |\n" for line in lines))
+    (out / "table.md").write_text(text + "\n".join(lines) + "\n")
     print((out / "table.md").read_text())
 
 

@@ -26,6 +26,7 @@ from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration
 from ictamp_drake.learning.dataset import action, configuration, opened, scene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.runs import markdown
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.policy import PolicyConfig
@@ -149,12 +150,10 @@ def main() -> None:
     cost = milliseconds(options, list({tuple(row[name] for name in CASE): row for row in rows}.values())[:TIMED])
     named = {(skill, SOURCES[name]): f"{value:.2f}" for (skill, name), value in cost.items()}
     table["ms"] = [named.get(key, "") for key in zip(table["skill"], table["k from"], strict=True)]
-    lines = [" | ".join(map(str, line)) for line in [table.columns, ["---"] * len(table.columns), *table.to_numpy()]]
     origin = provenance()
     about = f"Commit {origin['commit']}, drake {origin['versions']['drake']}, scenes {options.scenes} of seed {SEED}."
-    text = f"# One parameter k\n\nBy `python benchmarks/skills.py`. {about}\n\n" + "".join(
-        f"| {line} |\n" for line in lines
-    )
+    lines = markdown.table(table.columns, table.to_numpy())
+    text = "\n".join(["# One parameter k", "", f"By `python benchmarks/skills.py`. {about}", "", *lines, ""])
     (options.out / "table.md").write_text(text)
     print(text)
 

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from ictamp_drake.learning.accuracy import CEILING, Accuracy, Figures, Interval
 from ictamp_drake.learning.cases import halves
+from ictamp_drake.runs.markdown import table
 
 COLUMNS = {
     "error": "error",
@@ -42,12 +43,12 @@ def report(accuracies: Sequence[Accuracy]) -> Group:
     """Everything that is said at the end."""
     parts: list[RenderableType] = []
     for accuracy in accuracies:
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+        shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
         for number, heading in enumerate(_headings(accuracy)):
-            table.add_column(heading, justify="right" if number else "left", no_wrap=True)
+            shown.add_column(heading, justify="right" if number else "left", no_wrap=True)
         for row in _rows(accuracy):
-            table.add_row(*row)
-        parts += [Text(), Text(_title(accuracy), "bold"), table]
+            shown.add_row(*row)
+        parts += [Text(), Text(_title(accuracy), "bold"), shown]
     return Group(*parts, *(Text(line, "dim") for line in _legend(accuracies[0])))
 
 
@@ -55,9 +56,7 @@ def markdown(accuracies: Sequence[Accuracy], about: Mapping[str, Any], pictures:
     """The same as a page of Markdown, with what it was made of and the names of the pictures beside it."""
     lines = ["# Accuracy of the estimators of success", ""]
     for accuracy in accuracies:
-        headings = _headings(accuracy)
-        lines += [f"## {_title(accuracy)}", "", _line(headings), _line(["---", *["---:"] * (len(headings) - 1)])]
-        lines += [*(_line(row) for row in _rows(accuracy)), ""]
+        lines += [f"## {_title(accuracy)}", "", *table(_headings(accuracy), _rows(accuracy)), ""]
     lines += [*(f"- {line}" for line in _legend(accuracies[0])), ""]
     for picture in pictures:
         lines += [f"![{picture.partition('.')[0].replace('_', ' ')}]({picture})", ""]
@@ -96,10 +95,6 @@ def cell(figures: Figures, key: str) -> str:
         return ""
     figure: Interval = figures[key]
     return f"{figure.value:.3f}" if key in SHORT else f"{figure.value:z.2f} ({figure.low:z.2f}, {figure.high:z.2f})"
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def as_csv(accuracies: Sequence[Accuracy]) -> str:
