@@ -89,7 +89,7 @@ class PolicyTraining:
     """
 
     network: PolicyNetworkConfig = PolicyNetworkConfig()
-    imitation: float = 0.02
+    imitation: float = 0.05
     caution: float = 1.0
     temperature: float = 0.0
     entropy: float | None = None
