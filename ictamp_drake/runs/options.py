@@ -128,9 +128,14 @@ class Method:
 
     def check(self) -> None:
         """Raise IctampError at once, rather than in every problem, when what was learned is not to be had."""
-        for config in (chosen(self.samplers, self.sampler), chosen(self.estimators, self.estimator)):
-            if hasattr(config, "check"):
-                config.check()
+        for config in self.learned:
+            config.check()
+
+    @property
+    def learned(self) -> list[Any]:
+        """Those of the chosen sampler and estimator that need trained networks."""
+        configs = chosen(self.samplers, self.sampler), chosen(self.estimators, self.estimator)
+        return [config for config in configs if hasattr(config, "check")]
 
     def planner_config(self, elapsed: float) -> PlannerConfig:
         """The planner's own configuration when `elapsed` [s] of the time limit are spent."""

@@ -33,7 +33,7 @@ def sweep(problems: Sequence[Problem], bench: Bench, workers: int, grace: float,
     board = Board(CONTEXT, len(problems))
     run = _Sweep(problems, bench, board, watch)
     count = min(workers, len(problems))
-    with _ctrl_c_stops(board), isolated(count, start_worker, board, bench.meshcat) as pool:
+    with _ctrl_c_stops(board), isolated(count, start_worker, board, bench) as pool:
         run.follow(run.start(pool, timeout=bench.method.time_limit + grace))
     return not board.stopping
 

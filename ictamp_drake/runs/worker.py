@@ -60,13 +60,15 @@ class _Process:
     view: LiveView | None = None
 
 
-def start_worker(board: Board, meshcat: bool) -> None:
+def start_worker(board: Board, bench: Bench) -> None:
     """Make a process ready: loads what would be loaded in the midst of the first problem, and never outlives a run."""
     import ictamp_drake.symbolic.pddl  # noqa: F401, PLC0415
 
+    if bench.method.learned:
+        import ictamp_drake.learning.models  # noqa: F401, PLC0415
     end_with_parent()
     _Process.board = board
-    if meshcat:
+    if bench.meshcat:
         _Process.view = LiveView()
         board.url = _Process.view.url
 
