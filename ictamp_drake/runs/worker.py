@@ -62,7 +62,7 @@ class _Process:
 
 def start_worker(board: Board, bench: Bench) -> None:
     """Make a process ready: loads what would be loaded in the midst of the first problem, and never outlives a run."""
-    import ictamp_drake.symbolic.pddl  # noqa: F401, PLC0415
+    import ictamp_drake.symbolic.pddl  # noqa: PLC0415
 
     if bench.method.learned:
         import ictamp_drake.learning.models  # noqa: F401, PLC0415
