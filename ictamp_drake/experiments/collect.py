@@ -12,6 +12,7 @@ import time
 from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,8 @@ COLLECTION = "collection.json"
 """File beside the attempts: how they were made, and what there is of them."""
 
 MAX_SCENES = 1_000_000
+_MAX_SPARED = 3
+"""Attempts of one scene in which a process may die or hang; after one more the scene is given up."""
 _REPORT = 30.0
 """Time between two lines about the progress [s]."""
 
@@ -46,7 +49,7 @@ class Collect:
         scenes: number of a training scene or slice of them, e.g. 3 or 0:500.
         seed: of the scenes and walks.
         workers: processes that each walk through one scene at a time.
-        limit: time after which a scene is given up [s].
+        limit: time after which a walk through a scene counts as hung [s].
         walk: how attempts are drawn.
     """
 
@@ -102,34 +105,46 @@ def _check_same(options: Collect) -> None:
 
 
 def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Console) -> int:
-    """Walk through the scenes in processes of their own; returns how many broke down, which then have no rows."""
+    """Walk through the scenes in processes of their own; returns how often one broke down.
+
+    A scene in which that happens is walked through again without the attempt that it happened in.
+    """
     progress = _Progress(len(todo), console)
-    broken = 0
+    spared: dict[int, list[int]] = {scene: [] for scene in todo}
     with isolated(min(options.workers, len(todo)), end_with_parent) as pool:
-        with deaf_children():
-            pending: dict[Future[tuple[int, int]], int] = {
-                pool.schedule(_walk_one, (scene, options), timeout=options.limit): scene for scene in todo
-            }
+
+        def start(scene: int) -> Future[tuple[int, int]]:
+            with deaf_children():
+                return pool.schedule(_walk_one, (scene, options, spared[scene]), timeout=options.limit)
+
+        pending = {start(scene): scene for scene in todo}
         while pending:
             for future in wait(pending, timeout=1.0, return_when=FIRST_COMPLETED).done:
                 scene = pending.pop(future)
                 try:
                     progress.add(*future.result())
                 except Exception as error:
-                    broken += 1
-                    shards.add(scene, [])
-                    progress.add(0, 0)
-                    console.print(f"scene {scene} is given up: {error!r}".partition("\n")[0])
+                    attempt = shards.begun(scene)
+                    again = attempt is not None and len(spared[scene]) < _MAX_SPARED
+                    spared[scene].append(-1 if attempt is None else attempt)
+                    what = f"is walked through again without attempt {attempt}" if again else "is given up"
+                    console.print(f"scene {scene} {what}: {error!r}".partition("\n")[0])
+                    if again:
+                        pending[start(scene)] = scene
+                    else:
+                        shards.add(scene, [])
+                        progress.add(0, 0)
                 if progress.finished % 10 == 0:
                     shards.join(todo)
             progress.tell()
-    return broken
+    return sum(map(len, spared.values()))
 
 
-def _walk_one(scene: int, options: Collect) -> tuple[int, int]:
+def _walk_one(scene: int, options: Collect, spared: Sequence[int]) -> tuple[int, int]:
     """Walk and write; returns how many attempts were made and how many of them executed."""
-    rows = walk(scene, options.seed, options.walk)
-    Shards(options.out).add(scene, rows)
+    shards = Shards(options.out)
+    rows = walk(scene, options.seed, options.walk, spared=spared, begin=partial(shards.begin, scene))
+    shards.add(scene, rows)
     return len(rows), sum(bool(row.attempt.motion) for row in rows)
 
 

@@ -23,6 +23,17 @@ class Shards:
         """Write the part of a scene, which is done with it."""
         self._parts.mkdir(parents=True, exist_ok=True)
         write(rows, self._part(scene))
+        self._note(scene).unlink(missing_ok=True)
+
+    def begin(self, scene: int, attempt: int) -> None:
+        """Note which attempt of a scene is being made, for the case that the process does not survive it."""
+        self._parts.mkdir(parents=True, exist_ok=True)
+        self._note(scene).write_text(str(attempt))
+
+    def begun(self, scene: int) -> int | None:
+        """The attempt of a scene that was noted last."""
+        text = self._note(scene).read_text() if self._note(scene).exists() else ""
+        return int(text) if text else None
 
     def done(self) -> set[int]:
         """Scenes that are over."""
@@ -44,6 +55,9 @@ class Shards:
 
     def _part(self, scene: int) -> Path:
         return self._parts / f"{scene:06d}.parquet"
+
+    def _note(self, scene: int) -> Path:
+        return self._parts / f"{scene:06d}.attempt"
 
     def _loose(self) -> set[int]:
         return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdigit()}

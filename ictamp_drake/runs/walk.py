@@ -1,7 +1,8 @@
 """Random walks through the states that planning meets, and what became of the attempts on the way."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import asdict, dataclass, replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -112,10 +113,25 @@ _CANDIDATES = 16
 """Draws of which the best is taken."""
 
 
-def walk(number: int, seed: int, config: WalkConfig) -> list[Row]:
+def walk(
+    number: int,
+    seed: int,
+    config: WalkConfig,
+    *,
+    spared: Collection[int] = (),
+    begin: Callable[[int], None] = lambda _: None,
+) -> list[Row]:
     """The attempts of a random walk in one training scene; the same arguments give the same rows apart from times.
 
-    No rows when the scene is not at rest at its start.
+    Args:
+        number: of the scene.
+        seed: of scenes and walks.
+        config: how attempts are drawn.
+        spared: numbers of attempts that are not made, since the process died or hung in them.
+        begin: called with the number of each attempt before it is made.
+
+    Returns:
+        No rows when the scene is not at rest at its start.
     """
     spec = training_scene(number, seed)
     try:
@@ -123,7 +139,7 @@ def walk(number: int, seed: int, config: WalkConfig) -> list[Row]:
     except IctampError:
         return []
     text = scene_text(spec)
-    return [Row(number, text, *each) for each in course.attempts()]
+    return [Row(number, text, *each) for each in course.attempts(spared, begin)]
 
 
 class _Course:
@@ -154,13 +170,20 @@ class _Course:
             return UniformSampler(world, UniformConfig(max_height=config.drop))
         return config.learned(source).create(world) if source in _LEARNED else optimisation
 
-    def attempts(self) -> Iterator[tuple[int, int, str, Configuration, Attempt[Configuration]]]:
+    def attempts(
+        self, spared: Collection[int], begin: Callable[[int], None]
+    ) -> Iterator[tuple[int, int, str, Configuration, Attempt[Configuration]]]:
         """State, draw, sampler, c and what came of it, for each attempt of the walk."""
         here, failed = 0, 0
+        numbers = count()
         for _ in range(self._config.states):
             action, promised = self._action(self._met[here])
             tried = []
             for source in self._round():
+                number = next(numbers)
+                if number in spared:
+                    continue
+                begin(number)
                 attempt = self._sources[source].attempt(self._met[here], action, promised, self._rng)
                 tried.append(attempt)
                 yield here, self._drawn[here], source, self._met[here], attempt

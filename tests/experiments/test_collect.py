@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -97,23 +98,30 @@ def test_other_options_are_refused(collected: Path, capsys: pytest.CaptureFixtur
     assert "six" in capsys.readouterr().err
 
 
-def _die_in_scene_4(scene: int, options: program.Collect) -> tuple[int, int]:
-    if scene == 4:
-        os.kill(os.getpid(), signal.SIGKILL)
-    if scene == 5:
-        time.sleep(600)
-    Shards(options.out).add(scene, [])
-    return 0, 0
+def _die_here_and_there(scene: int, options: program.Collect, spared: Sequence[int]) -> tuple[int, int]:
+    """Ten attempts; the process dies in the third of scene 4 and in all of scene 6, and hangs in the first of 5."""
+    shards = Shards(options.out)
+    made = [attempt for attempt in range(10) if attempt not in spared]
+    for attempt in made:
+        shards.begin(scene, attempt)
+        if (scene, attempt) == (4, 2) or scene == 6:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if (scene, attempt) == (5, 0):
+            time.sleep(600)
+    shards.add(scene, [])
+    return len(made), 0
 
 
-def test_a_scene_that_crashes_or_hangs_costs_only_itself(
+def test_an_attempt_in_which_the_process_dies_or_hangs_costs_only_itself(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(program, "_walk_one", _die_in_scene_4)
+    monkeypatch.setattr(program, "_walk_one", _die_here_and_there)
     options = program.Collect(out=tmp_path, scenes="3:7", workers=1, limit=3.0)
     assert program.collect(options, Console(width=120)) == 1
     printed = capsys.readouterr().out
-    assert "scene 4 is given up" in printed
-    assert "scene 5 is given up" in printed
-    assert "4 of 4 scenes" in printed
+    assert "scene 4 is walked through again without attempt 2" in printed
+    assert "scene 5 is walked through again without attempt 0" in printed
+    assert "scene 6 is given up" in printed
+    assert "4 of 4 scenes, 28 attempts" in printed
     assert Shards(tmp_path).done() == {3, 4, 5, 6}
+    assert not list((tmp_path / "parts").glob("*.attempt"))

@@ -60,6 +60,14 @@ def test_the_walk_goes_on_from_where_attempts_ended(rows: list[Row]) -> None:
     assert later & ends
 
 
+def test_an_attempt_can_be_left_out(rows: list[Row]) -> None:
+    begun: list[int] = []
+    found = walk(SCENE, 0, SHORT, spared=[1], begin=begun.append)
+    assert begun == [0, *range(2, SHORT.states * SHORT.draws)]
+    assert len(found) == len(begun)
+    assert timeless(found[0]) == timeless(rows[0])
+
+
 def test_all_sources_of_k_take_part() -> None:
     found = walk(3, 0, replace(SHORT, states=4, draws=6, sources=Sources(4, 3, 3)))
     assert {row.sampler for row in found} == {"optimisation", "perturbed", "uniform"}
