@@ -91,7 +91,7 @@ class PolicyTraining:
     network: PolicyNetworkConfig = PolicyNetworkConfig()
     imitation: float = 0.05
     caution: float = 1.0
-    temperature: float = 0.0
+    temperature: float = 0.01
     entropy: float | None = None
 
     def __post_init__(self) -> None:

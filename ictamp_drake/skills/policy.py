@@ -28,7 +28,7 @@ class PolicyConfig:
     """
 
     checkpoints: Path | None = None
-    candidates: int = 16
+    candidates: int = 64
 
     def __post_init__(self) -> None:
         check_range("samplers.policy.candidates", self.candidates, 1, 4096)
