@@ -1,13 +1,15 @@
-"""Computing time of the estimators: `python benchmarks/estimators.py`, one thread, its processor time.
+"""Computing time of the estimators: `python benchmarks/estimators.py --P FOLDER`, one thread, its processor time.
 
 Scores 64 options of the search at once: every applicable action in the first configurations of packing problems.
 """
 
 import time
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 import torch
+import tyro
 from rich.console import Console
 from rich.table import Table
 
@@ -22,7 +24,6 @@ from ictamp_drake.world.world import World
 
 OPTIONS, CALLS = 64, 200
 ESTIMATORS = {
-    "P": PScoreConfig(),
     "Q, one draw": QValueConfig(),
     "Q, mean of 16 draws": QValueConfig(draws=16),
     "Q along plans of one action, best of 16": QValueConfig(draws=16, best=True, horizon="plan"),
@@ -43,12 +44,16 @@ def options(world: World) -> list[tuple[Configuration, Skeleton]]:
     return found[:OPTIONS]
 
 
-def main() -> None:
-    """Time and print."""
+def main(P: Path | None = None) -> None:
+    """Time and print.
+
+    Args:
+        P: folder of the trained estimators, by default that of the package.
+    """
     torch.set_num_threads(1)
     table = Table("estimator", "median [ms]", "90 % [ms]", title=f"{OPTIONS} options in one call")
     worlds = [World(load_scene(path)) for path in islice(problem_files("hard", ":"), 4)]
-    for name, config in ESTIMATORS.items():
+    for name, config in {"P": PScoreConfig(P), **ESTIMATORS}.items():
         samples = []
         for world in worlds:
             estimator, asked = config.create(world), options(world)
@@ -62,4 +67,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    tyro.cli(main)

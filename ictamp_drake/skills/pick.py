@@ -42,10 +42,11 @@ class Pick:
         above = self._world.upright(c, box).size[2] / 2 - k[2] + TIP + self._config.margin
 
         planner.set_configuration(imagined(c, q=c.q[:7], width=OPEN.width, held=None))
-        q_grasp = planner.posture(X_WG, c.q[:7], rng, towards=raised(X_WG, above))
+        X_WG_above = raised(X_WG, above)
+        q_grasp = planner.posture(X_WG, c.q[:7], rng, towards=X_WG_above)
         if isinstance(q_grasp, Refusal):
             return q_grasp
-        back = planner.straight(q_grasp, raised(X_WG, above))
+        back = planner.straight(q_grasp, X_WG_above)
         if isinstance(back, Refusal):
             return back
         approach = planner.transfer(c.q[:7], back.trajectory.end, rng)
