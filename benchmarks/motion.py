@@ -63,7 +63,7 @@ def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None
     above = RigidTransform(X_WG.rotation(), X_WG.translation() + LIFT)
     start = time.process_time()
     clock.time("set configuration", lambda: planner.set_configuration(c))
-    q = clock.time("posture", lambda: planner.posture(X_WG, c.q[:7], rng))
+    q = clock.time("posture", lambda: planner.posture(X_WG, c.q[:7]))
     if isinstance(q, Refusal):
         return
     back = clock.time("straight", lambda: planner.straight(q, above))
@@ -75,7 +75,7 @@ def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None
     lift = clock.time("straight, holding", lambda: planner.straight(q, above))
     clock.samples["whole pick"].append(1e3 * (time.process_time() - start))
     X_WG2 = RigidTransform(X_WG.rotation(), np.array([*world.spec.supports["rack"].position[:2], 0.4]))
-    q2 = clock.time("posture", lambda: planner.posture(X_WG2, q, rng))
+    q2 = clock.time("posture", lambda: planner.posture(X_WG2, q))
     if isinstance(lift, Planned) and not isinstance(q2, Refusal):
         clock.time(stage, lambda: planner.transfer(lift.trajectory.end, q2, rng))
 
@@ -96,7 +96,7 @@ def cross_forest(world: World, clock: Clock, rng: np.random.Generator) -> None:
     qs: list[FloatArray] = []
     while len(qs) < 7:
         place = RigidTransform(DOWN, rng.uniform([0.3, -0.15, 0.06], [0.7, 0.4, 0.25]))
-        q = planner.posture(place, planner.kinematics.comfortable(place), rng)
+        q = planner.posture(place, planner.kinematics.comfortable(place))
         if not isinstance(q, Refusal):
             qs.append(q)
     for q0, q1 in pairwise(qs):

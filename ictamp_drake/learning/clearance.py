@@ -20,12 +20,12 @@ PARTS = 4
 
 
 class Blocks(NamedTuple):
-    """Upright boxes as seen from k.
+    """Upright boxes as seen from k; components come first, which is fastest.
 
     Attributes:
-        centre: shape (..., 3) [m].
-        heading: direction of the x axis in the horizontal plane, shape (..., 2).
-        half: half sides, shape (..., 3) [m].
+        centre: shape (3, ...) [m].
+        heading: direction of the x axis in the horizontal plane, shape (2, ...).
+        half: half sides, shape (3, ...) [m].
     """
 
     centre: Tensor
@@ -34,46 +34,39 @@ class Blocks(NamedTuple):
 
 
 def clearances(hand: Tensor, heading: Tensor, box: Blocks, objects: Blocks) -> Tensor:
-    """Distances of the parts from n times m objects, negative where they overlap, shape (n, m, 4) [m].
+    """Distances of the parts from n times m objects, negative where they overlap, shape (4, n, m) [m].
 
     Args:
-        hand: position of G, shape (n, 3) [m].
-        heading: of G's x axis, shape (n, 2).
+        hand: position of G, shape (3, n) [m].
+        heading: of G's x axis, shape (2, n).
         box: the box to grasp or the held one, n of them.
         objects: n times m of them.
     """
     side = GRIPPER_MAX_WIDTH / 2 + FINGER[1]
-    across = torch.stack([-heading[:, 1], heading[:, 0]], dim=-1) * side
+    across = torch.stack([-heading[1], heading[0]]) * side
     fingers = [_part(hand, heading, FINGER, shift) for shift in (across, -across)]
     parts = [*fingers, _part(hand, heading, PALM), _part(hand, heading, WRIST), box]
-    distances = _distances(Blocks(*(torch.stack(each, dim=1) for each in zip(*parts, strict=True))), objects)
-    return torch.cat([distances[..., :2].amin(dim=-1, keepdim=True), distances[..., 2:]], dim=-1)
+    distances = _distances(Blocks(*(torch.stack(each, dim=1)[..., None] for each in zip(*parts, strict=True))), objects)
+    return torch.cat([distances[:2].amin(dim=0, keepdim=True), distances[2:]])
 
 
 def _part(hand: Tensor, heading: Tensor, size: tuple[float, float, float], shift: Tensor | float = 0.0) -> Blocks:
     """A part of the hand, given by half sides and the height of its lower face, as a flat box at that height."""
-    centre = torch.cat([hand[:, :2] + shift, hand[:, 2:] + size[2]], dim=-1)
-    return Blocks(centre, heading, hand.new_tensor([*size[:2], 0.0]).expand(len(hand), 3))
+    centre = torch.cat([hand[:2] + shift, hand[2:] + size[2]])
+    return Blocks(centre, heading, hand.new_tensor([[size[0]], [size[1]], [0.0]]).expand_as(hand))
 
 
 def _distances(parts: Blocks, objects: Blocks) -> Tensor:
     """Greatest gap along the horizontal normals of their faces, or from the part down to the object's top.
 
-    Of n times p parts and n times m objects, shape (n, m, p).
+    Of p times n parts, shape (p, n, 1), and n times m objects, shape (n, m): shape (p, n, m).
     """
-    parts, objects = Blocks(*(each[:, None] for each in parts)), Blocks(*(each[:, :, None] for each in objects))
-    between = objects.centre - parts.centre
-    below = -between[..., 2] - objects.half[..., 2] - parts.half[..., 2]
-    beside = torch.maximum(_gap(between, parts, objects), _gap(between, objects, parts))
-    return torch.maximum(beside, below)
-
-
-def _gap(between: Tensor, one: Blocks, other: Blocks) -> Tensor:
-    """Greater of the gaps along the x and y axes of `one`."""
-    along = (one.heading * other.heading).sum(-1).abs()
-    across = (one.heading[..., 0] * other.heading[..., 1] - one.heading[..., 1] * other.heading[..., 0]).abs()
-    x = (between[..., :2] * one.heading).sum(-1).abs()
-    y = (between[..., 1] * one.heading[..., 0] - between[..., 0] * one.heading[..., 1]).abs()
-    x = x - one.half[..., 0] - other.half[..., 0] * along - other.half[..., 1] * across
-    y = y - one.half[..., 1] - other.half[..., 0] * across - other.half[..., 1] * along
-    return torch.maximum(x, y)
+    x, y, z = (object_ - part for object_, part in zip(objects.centre, parts.centre, strict=True))
+    (part_x, part_y), (object_x, object_y) = parts.heading, objects.heading
+    along, across = (part_x * object_x + part_y * object_y).abs(), (part_x * object_y - part_y * object_x).abs()
+    gaps = [-z - objects.half[2] - parts.half[2]]
+    for one, other in (parts, objects), (objects, parts):
+        (cos, sin), (width, depth, _) = one.heading, other.half
+        gaps.append((x * cos + y * sin).abs() - one.half[0] - width * along - depth * across)
+        gaps.append((y * cos - x * sin).abs() - one.half[1] - depth * along - width * across)
+    return torch.stack(gaps).amax(dim=0)

@@ -106,8 +106,8 @@ def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     if skill == "place":
         p_K = p_K + sides(row) / 2 * p_K.new_tensor([0.0, 0.0, 1.0])  # from the receptacle's top to its middle
     R_BK, p_BK = axes(row[:, _BASE]), row[:, _BASE][:, :3] * _BASE_SCALE
-    p_B = p_BK + (R_BK @ p_K[..., None])[..., 0]
-    heading = (R_BK @ _turned(hand.heading, k[:, 3])[..., None])[..., 0]
+    p_B = p_BK + _times(R_BK, p_K)
+    heading = _times(R_BK, _turned(hand.heading, k[:, 3]))
     distance = p_B[:, :2].norm(dim=-1, keepdim=True)
     x, y = (p_B[:, :2] / distance.clamp(min=0.05)).T
     direction = [x * heading[:, 0] + y * heading[:, 1], x * heading[:, 1] - y * heading[:, 0]]
@@ -130,6 +130,11 @@ def _hand(skill: str, matrix: Tensor) -> _Hand:
     p_UG = -(R_GU * p_GU[..., None]).sum(dim=-2)
     bottom = sides(matrix[:, 1]) / 2 * p_UG.new_tensor([0.0, 0.0, 1.0])
     return _Hand(p_UG + bottom, R_GU[:, 0])
+
+
+def _times(R: Tensor, vectors: Tensor) -> Tensor:
+    """R v of many small R, shape (n, 3, 3), (n, 3) -> (n, 3), which torch's product of matrices is slow at."""
+    return (R * vectors[:, None]).sum(dim=-1)
 
 
 def _turned(vectors: Tensor, yaw: Tensor) -> Tensor:
@@ -173,24 +178,24 @@ def seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     Pose in the frame at k's position that is turned by its yaw; the distance of that position from each pair of the
     object's faces, negative between them, in a fine scale; and how far the hand and the box keep from the object there.
     """
-    target = matrix[..., _TARGET]
-    R, p_KO = axes(target), k[:, None, :3] - target[..., :3] * _TARGET_SCALE
-    vectors = torch.stack([-p_KO, R[..., 0], R[..., 1]], dim=-2)
-    cos, sin = k[:, 3, None, None].cos(), k[:, 3, None, None].sin()
-    x, y = vectors[..., 0], vectors[..., 1]
-    pose = torch.stack([cos * x + sin * y, cos * y - sin * x, vectors[..., 2]], dim=-1)
-    p_O = (R * p_KO[..., None]).sum(dim=-2)
-    half = sides(matrix) / 2
-    objects = Blocks(pose[..., 0, :], pose[..., 1, :2], half)
+    p, x, y = torch.split(matrix[..., _TARGET].movedim(-1, 0).contiguous(), 3)
+    half = (sides(matrix) / 2).movedim(-1, 0).contiguous()
+    p_KO = k.T[:3, :, None] - p * _TARGET_SCALE
+    p_O = (torch.stack([x, y, torch.linalg.cross(x, y, dim=0)]) * p_KO).sum(dim=1)
+    cos, sin = k[:, 3:].cos(), k[:, 3:].sin()
+    along, across, up = torch.stack([-p_KO, x, y], dim=1)
+    position, *axes = turned = torch.stack([cos * along + sin * across, cos * across - sin * along, up], dim=1)
+    objects = Blocks(position, axes[0][:2], half)
     hand = _hand(skill, matrix)
-    apart = clearances(hand.position, hand.heading[:, :2], _moved(skill, objects), objects)
-    scaled = torch.cat([pose[..., 0, :] / _DISTANCE, pose[..., 1:, :].flatten(-2)], dim=-1)
-    return torch.cat([scaled, _fine(p_O.abs() - half, 0.01), _fine(apart, 0.005)], dim=-1)
+    apart = clearances(hand.position.T, hand.heading.T[:2], _moved(skill, objects), objects)
+    parts = [position / _DISTANCE, turned[1:].flatten(0, 1), _fine(p_O.abs() - half, 0.01), _fine(apart, 0.005)]
+    return torch.cat(parts).movedim(0, -1)
 
 
 def _moved(skill: str, objects: Blocks) -> Blocks:
     """The box that the action moves: where it stands (pick), or at k, the middle of its bottom face (place)."""
     if skill == "pick":
-        return Blocks(*(each[:, 0] for each in objects))
-    half = objects.half[:, 1]
-    return Blocks(half * half.new_tensor([0.0, 0.0, 1.0]), half.new_tensor([1.0, 0.0]).expand(len(half), 2), half)
+        return Blocks(*(each[..., 0] for each in objects))
+    half = objects.half[..., 1]
+    up, ahead = half.new_tensor([[0.0], [0.0], [1.0]]), half.new_tensor([[1.0], [0.0]])
+    return Blocks(half * up, ahead.expand(2, half.shape[1]), half)

@@ -67,15 +67,13 @@ class MotionPlanner:
         self,
         X_WG: RigidTransform,
         q_guess: FloatArray,
-        rng: np.random.Generator,
         towards: RigidTransform | None = None,
     ) -> FloatArray | Refusal:
         """Joint positions with G at X_WG and no collision, near q_guess, shape (7,) [rad].
 
         Args:
             X_WG: where G shall be.
-            q_guess: where the search starts.
-            rng: draws further starts.
+            q_guess: what they shall be near to.
             towards: a pose of G that the arm must be able to follow a straight line to; collisions on it do not count.
 
         Returns:
@@ -93,7 +91,7 @@ class MotionPlanner:
             return not stuck
 
         with self.stopwatch.stage("inverse kinematics"):
-            q = self.kinematics.solve(X_WG, q_guess, rng, accept=accept)
+            q = self.kinematics.solve(X_WG, q_guess, accept)
         if q is not None:
             return q
         if stuck:

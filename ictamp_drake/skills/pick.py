@@ -43,7 +43,7 @@ class Pick:
 
         planner.set_configuration(imagined(c, q=c.q[:7], width=OPEN.width, held=None))
         X_WG_above = raised(X_WG, above)
-        q_grasp = planner.posture(X_WG, c.q[:7], rng, towards=X_WG_above)
+        q_grasp = planner.posture(X_WG, c.q[:7], towards=X_WG_above)
         if isinstance(q_grasp, Refusal):
             return q_grasp
         back = planner.straight(q_grasp, X_WG_above)

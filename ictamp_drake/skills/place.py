@@ -45,7 +45,7 @@ class Place:
         above = self._top_above_hand(c, box, X_GB) + TIP + self._config.margin
 
         planner.set_configuration(c)
-        q_place = planner.posture(X_WG, q, rng, towards=raised(X_WG, max(self._config.drop, above)))
+        q_place = planner.posture(X_WG, q, towards=raised(X_WG, max(self._config.drop, above)))
         if isinstance(q_place, Refusal):
             return q_place
         back = planner.straight(q_place, raised(X_WG, self._config.drop))

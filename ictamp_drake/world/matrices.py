@@ -68,7 +68,7 @@ def flat(X: FloatArray) -> FloatArray:
     return np.concatenate([X[..., :3, 3], X[..., :3, 0], X[..., :3, 1]], axis=-1)
 
 
-def _link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:
+def link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:
     """Rotation by alpha about x, shift by a along x and d along z, rotation by angles about z: (n,) -> (n, 4, 4)."""
     X = np.zeros((len(angle), 4, 4))
     c, s, ca, sa = np.cos(angle), np.sin(angle), np.cos(alpha), np.sin(alpha)
@@ -83,5 +83,5 @@ def forward(q: FloatArray) -> FloatArray:
     """X_BG at the arm's joint positions, shape (n, 7) [rad] -> (n, 4, 4)."""
     X_BG = np.eye(4)
     for joint, angle in zip(DH_PARAMETERS, q.T, strict=True):
-        X_BG = X_BG @ _link(*joint, angle)
-    return X_BG @ _link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE]))
+        X_BG = X_BG @ link(*joint, angle)
+    return X_BG @ link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE]))

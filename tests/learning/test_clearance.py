@@ -14,15 +14,17 @@ from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 places = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 angles = st.floats(-math.pi, math.pi)
 sides = st.tuples(st.floats(0.02, 0.2), st.floats(0.02, 0.2), st.floats(0.02, 0.2))
-NOWHERE = torch.tensor([[0.0, 0.0, 9.0]])
+NOWHERE = torch.tensor([[0.0], [0.0], [9.0]])
+AHEAD = torch.tensor([[1.0], [0.0]])
+ORIGIN = torch.zeros(3, 1)
 
 
 def block(place: tuple[float, float], yaw: float, size: tuple[float, float, float], z: float = 0.0) -> Blocks:
     """One box; its centre is half its height above z."""
     return Blocks(
-        torch.tensor([[*place, z + size[2] / 2]]),
-        torch.tensor([[math.cos(yaw), math.sin(yaw)]]),
-        torch.tensor([size]) / 2,
+        torch.tensor([*place, z + size[2] / 2])[:, None],
+        torch.tensor([math.cos(yaw), math.sin(yaw)])[:, None],
+        torch.tensor(size)[:, None] / 2,
     )
 
 
@@ -30,19 +32,19 @@ blocks = st.builds(block, places, angles, sides)
 
 
 def one_object(one: Blocks) -> Blocks:
-    return Blocks(*(each[:, None] for each in one))
+    return Blocks(*(each[..., None] for each in one))
 
 
 def of_box(box: Blocks, other: Blocks) -> float:
     """Distance between two boxes, the hand being far above."""
-    found = clearances(NOWHERE, torch.tensor([[1.0, 0.0]]), box, one_object(other))
-    assert found.shape == (1, 1, PARTS)
-    return float(found[0, 0, 3])
+    found = clearances(NOWHERE, AHEAD, box, one_object(other))
+    assert found.shape == (PARTS, 1, 1)
+    return float(found[3])
 
 
 def outline(one: Blocks) -> np.ndarray:
     """Points all over a box's footprint, shape (n, 2)."""
-    centre, heading, half = (each[0].numpy() for each in one)
+    centre, heading, half = (each[:, 0].numpy() for each in one)
     grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 9)] * 2), axis=-1).reshape(-1, 2) * half[:2]
     return centre[:2] + grid[:, :1] * heading + grid[:, 1:] * np.array([-heading[1], heading[0]])
 
@@ -51,9 +53,9 @@ def outline(one: Blocks) -> np.ndarray:
 def test_boxes_side_by_side_are_apart_when_no_point_of_one_is_in_the_other(box: Blocks, other: Blocks) -> None:
     gap = of_box(box, other)
     assert gap == pytest.approx(of_box(other, box), abs=1e-5) or gap < 0  # heights differ, footprints do not
-    points = outline(box) - other.centre[0, :2].numpy()
-    x, y = other.heading[0].numpy()
-    inside = np.abs(points @ [[x, -y], [y, x]]) < other.half[0, :2].numpy() - 1e-6
+    points = outline(box) - other.centre[:2, 0].numpy()
+    x, y = other.heading[:, 0].numpy()
+    inside = np.abs(points @ [[x, -y], [y, x]]) < other.half[:2, 0].numpy() - 1e-6
     if inside.all(axis=1).any():
         assert gap < 0
     nearest = np.linalg.norm(outline(box)[:, None] - outline(other)[None], axis=-1).min()
@@ -66,8 +68,8 @@ def test_it_makes_no_difference_where_all_of_it_stands(other: Blocks, turn: floa
     cos, sin = math.cos(turn), math.sin(turn)
 
     def turned(one: Blocks) -> Blocks:
-        R = torch.tensor([[cos, sin], [-sin, cos]])
-        return Blocks(torch.cat([one.centre[:, :2] @ R, one.centre[:, 2:]], dim=1), one.heading @ R, one.half)
+        R = torch.tensor([[cos, -sin], [sin, cos]])
+        return Blocks(torch.cat([R @ one.centre[:2], one.centre[2:]]), R @ one.heading, one.half)
 
     assert of_box(turned(box), turned(other)) == pytest.approx(of_box(box, other), abs=1e-5)
 
@@ -82,10 +84,10 @@ def test_what_is_below_is_apart_by_its_distance() -> None:
 def test_a_box_between_the_fingers_is_apart_until_it_is_too_wide(width: float) -> None:
     assume(abs(width - GRIPPER_MAX_WIDTH) > 1e-4)
     box = block((0, 0), 0.0, (0.04, width, 0.04), z=-0.02)
-    found = clearances(torch.zeros(1, 3), torch.tensor([[1.0, 0.0]]), box, one_object(box))[0, 0]
+    found = clearances(ORIGIN, AHEAD, box, one_object(box))
     assert float(found[0]) == pytest.approx((GRIPPER_MAX_WIDTH - width) / 2, abs=1e-6)
     assert float(found[1]) == pytest.approx(PALM[2] - 0.02, abs=1e-6)
-    turned = clearances(torch.zeros(1, 3), torch.tensor([[0.0, 1.0]]), box, one_object(box))[0, 0]
+    turned = clearances(ORIGIN, AHEAD.flip(0), box, one_object(box))
     assert float(turned[0]) == pytest.approx((GRIPPER_MAX_WIDTH - 0.04) / 2, abs=1e-6)
 
 
@@ -94,5 +96,5 @@ def test_a_neighbour_is_touched_by_the_finger_beside_it() -> None:
     outside = GRIPPER_MAX_WIDTH / 2 + 2 * FINGER[1]
     for gap in (0.01, -0.01):
         neighbour = block((0, outside + gap + 0.03), 0.0, (0.06, 0.06, 0.05), z=-0.02)
-        found = clearances(torch.zeros(1, 3), torch.tensor([[1.0, 0.0]]), box, one_object(neighbour))[0, 0]
+        found = clearances(ORIGIN, AHEAD, box, one_object(neighbour))
         assert float(found[0]) == pytest.approx(gap, abs=1e-6)

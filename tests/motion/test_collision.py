@@ -18,7 +18,7 @@ def scene(world: World) -> CollisionScene:
 
 
 def reach(X_WG: RigidTransform) -> np.ndarray:
-    q = ARM.solve(X_WG, HOME, np.random.default_rng(0), attempts=20)
+    q = ARM.solve(X_WG, HOME)
     assert q is not None
     return q
 
@@ -103,7 +103,7 @@ def test_gradients_are_derivatives_of_the_distances(scene: CollisionScene, down,
     scene.set_configuration(
         holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0.0, 0.0, 0.03]))
     )
-    q = reach(down(0.42, 0.03, 0.3))
+    q = reach(down(0.42, 0.03, 0.3)) + np.linspace(-0.02, 0.02, 7)  # parallel faces have no derivative
     rng = np.random.default_rng(3)
     found = scene.clearance_gradients(q, 0.2)
     nearest, gradient = min(found, key=lambda item: item[0])

@@ -41,8 +41,7 @@ def test_held_box_is_no_obstacle_but_hangs_down(world: World, holding) -> None:
 
 
 def test_raised_path_goes_up_over_and_down(down) -> None:
-    rng = np.random.default_rng(0)
-    q0, q1 = (ARM.solve(down(0.5, y, 0.1), HOME, rng) for y in (-0.1, 0.3))
+    q0, q1 = (ARM.solve(down(0.5, y, 0.1), HOME) for y in (-0.1, 0.3))
     assert q0 is not None
     assert q1 is not None
     path = raised_path(ARM, q0, q1, 0.4)
@@ -58,8 +57,7 @@ def test_raised_path_goes_up_over_and_down(down) -> None:
 
 
 def test_high_enough_ends_are_joined_by_a_middle_point(down) -> None:
-    rng = np.random.default_rng(0)
-    q0, q1 = (ARM.solve(down(0.5, y, 0.4), HOME, rng) for y in (-0.1, 0.3))
+    q0, q1 = (ARM.solve(down(0.5, y, 0.4), HOME) for y in (-0.1, 0.3))
     path = raised_path(ARM, q0, q1, 0.3)
     assert path is not None
     assert len(path) == 3

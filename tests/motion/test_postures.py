@@ -1,0 +1,45 @@
+import numpy as np
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
+from ictamp_drake.motion.postures import postures
+from ictamp_drake.world.matrices import forward
+
+shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7)
+within_limits = shares.map(lambda share: LOWER + np.array(share) * (UPPER - LOWER))
+
+
+def apart(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Greatest difference of an angle, whatever the turns."""
+    return np.abs(np.remainder(one - other + np.pi, 2 * np.pi) - np.pi).max(axis=-1)
+
+
+@given(within_limits, st.lists(st.floats(-3, 3), min_size=1, max_size=5).map(np.array))
+@example(np.zeros(7), np.zeros(1))
+def test_all_hold_the_hand_where_it_shall_be(q: FloatArray, last: FloatArray) -> None:
+    (X_BG,) = forward(q[None])
+    found = postures(X_BG, last)
+    assert found.shape[1] == 7
+    assert np.isin(found[:, 6], last).all()
+    np.testing.assert_allclose(forward(found), np.broadcast_to(X_BG, (len(found), 4, 4)), atol=1e-6)
+
+
+@given(within_limits)
+def test_every_posture_is_among_those_of_its_hand(q: FloatArray) -> None:
+    """But for those in which a turn of one joint can be undone by another: then there are more than can be listed."""
+    (X_BG,) = forward(q[None])
+    if min(abs(np.sin(q[1])), abs(np.cos(q[4]))) > 1e-3:
+        assert apart(postures(X_BG, q[6:]), q).min() < 1e-4
+
+
+def test_a_posture_has_up_to_eight_twins() -> None:
+    found = postures(forward(HOME[None])[0], HOME[6:])
+    assert 4 <= len(found) <= 8
+    assert all(apart(found[:number], one).min() > 1e-3 for number, one in enumerate(found) if number)
+
+
+def test_what_is_out_of_reach_has_none(down) -> None:
+    assert postures(down(1.2, 0.0, 0.1).GetAsMatrix4(), np.linspace(-2, 2, 9)).shape == (0, 7)
