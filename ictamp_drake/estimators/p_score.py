@@ -1,4 +1,8 @@
-"""P(c, a), learned from outcomes: a calibrated ensemble over the primitive state matrix (paper, Success Prediction)."""
+"""P(c, a), learned from outcomes: a calibrated ensemble over the primitive state matrix (paper, Success Prediction).
+
+What decides is mostly the k that the policy happens to draw. So the ensemble is told k when it learns, and P is its
+mean over a few k that stand for the policy's distribution: an outcome teaches more so than P without k would learn.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +14,9 @@ import numpy as np
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.estimators.learned import Option, by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
-from ictamp_drake.world.observation import Observer
+from ictamp_drake.scenes.checks import check_range
+from ictamp_drake.world.observation import Observation, Observer
+from ictamp_drake.world.situations import Numbers
 from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:
@@ -23,9 +29,14 @@ class PScoreConfig:
 
     Attributes:
         checkpoints: folder of the trained estimators, by default that of the package.
+        draws: k of the policy that the mean is taken over.
     """
 
     checkpoints: Path | None = None
+    draws: int = 4
+
+    def __post_init__(self) -> None:
+        check_range("estimators.p-score.draws", self.draws, 1, 1e4)
 
     def create(self, world: World, skills: object = None) -> "PScore":  # noqa: ARG002  (the same for all estimators)
         """The estimator for one scene.
@@ -36,7 +47,7 @@ class PScoreConfig:
         from ictamp_drake.learning.models import load_estimator  # noqa: PLC0415  (torch takes long to load)
 
         folder = self.checkpoints or SHIPPED
-        return PScore(Observer(world.spec), {skill: load_estimator(folder, skill) for skill in SKILLS})
+        return PScore(Observer(world.spec), {skill: load_estimator(folder, skill) for skill in SKILLS}, self.draws)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""
@@ -53,9 +64,10 @@ class Beliefs(NamedTuple):
 class PScore:
     """The mean of an ensemble, all options of a skill in one call."""
 
-    def __init__(self, observer: Observer, models: Mapping[str, "EstimatorModel"]) -> None:
+    def __init__(self, observer: Observer, models: Mapping[str, "EstimatorModel"], draws: int) -> None:
         self._observer = observer
         self._models = models
+        self._draws = draws
 
     def estimate(self, options: Sequence[Option]) -> FloatArray:
         """P of each option, shape (n,)."""
@@ -67,4 +79,7 @@ class PScore:
             return Beliefs(np.zeros(0), np.zeros(0))
         steps = [(c, plan.actions[0]) for c, plan in options]
         seen, actions = self._observer.observe_all(steps), [action for _, action in steps]
-        return Beliefs(*by_skill(actions, seen, lambda skill, part, _: self._models[skill].believe(part).T).T)
+        return Beliefs(*by_skill(actions, seen, self._believe).T)
+
+    def _believe(self, skill: str, part: Observation, _: Numbers) -> FloatArray:
+        return self._models[skill].believe(part, self._draws).T

@@ -49,7 +49,7 @@ class TrainSkill:
 
 def train(options: TrainSkill, course: Course) -> bool:
     """Train one skill and write its checkpoint; False when it was interrupted."""
-    critic = Classifier(course.skill, options.critic, sees_k=True)
+    critic = Classifier(course.skill, options.critic)
     if not course.fit("critic", Classification(critic), options.fit, bootstraps=options.critic.members):
         return False
     calibrate(critic, course.parts.validation)

@@ -1,12 +1,12 @@
-"""P(matrix) and Q(matrix, k): ensembles that tell attempts that succeed from those that fail."""
+"""Q(matrix, k): ensembles that tell attempts that succeed from those that fail."""
 
 from typing import NamedTuple
 
 import torch
 from torch import Tensor, nn
 
-from ictamp_drake.learning import parameters
 from ictamp_drake.learning.networks import NetworkConfig
+from ictamp_drake.learning.parameters import FEATURES, SEEN, with_k
 from ictamp_drake.world.observation import SCHEMA
 
 
@@ -18,7 +18,7 @@ class Belief(NamedTuple):
 
 
 class Classifier(nn.Module):
-    """Ensemble for one skill; a critic sees k, an estimator of P does not.
+    """Ensemble for one skill.
 
     The objects of an action are the rows with a role, so the matrix tells actions of one skill apart. Each member is
     calibrated by the same two numbers (Platt's method): its probability is sigmoid(slope * logit + offset).
@@ -26,39 +26,49 @@ class Classifier(nn.Module):
 
     platt: Tensor
 
-    def __init__(self, skill: str, network: NetworkConfig, sees_k: bool) -> None:
+    def __init__(self, skill: str, network: NetworkConfig) -> None:
         super().__init__()
         self.skill = skill
-        self.sees_k = sees_k
-        views = 1 if sees_k else parameters.GLIMPSES
-        self.network = network.create(SCHEMA.width + views * parameters.SEEN, views * parameters.FEATURES, 1)
+        self.network = network.create(SCHEMA.width + SEEN, FEATURES, 1)
         self.register_buffer("platt", torch.tensor([1.0, 0.0]))
 
-    def forward(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Tensor:
+    def forward(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
         """Logits before calibration.
 
         Args:
             matrix: shape (n, 8, D).
             mask: shape (n, 8).
-            k: shape (n, 4), for a critic.
+            k: shape (n, 4).
 
         Returns:
             Shape (members, n).
         """
-        if self.sees_k and k is not None:
-            rows, extra = parameters.with_k(self.skill, matrix, k)
-        else:
-            rows, extra = parameters.glimpses(self.skill, matrix)
+        rows, extra = with_k(self.skill, matrix, k)
         return self.network(rows, mask, extra)[..., 0]
 
-    def belief(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Belief:
-        """Calibrated probabilities, shape (n,)."""
+    def probabilities(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
+        """Calibrated, of each member, shape (members, n)."""
         slope, offset = self.platt
-        probability = torch.sigmoid(slope * self(matrix, mask, k) + offset)
-        return Belief(probability.mean(dim=0), probability.std(dim=0, correction=0))
+        return torch.sigmoid(slope * self(matrix, mask, k) + offset)
+
+    def belief(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Belief:
+        """Of the ensemble, shape (n,)."""
+        return _over_members(self.probabilities(matrix, mask, k))
 
     def beliefs(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Belief:
-        """A critic's probabilities for several k in each situation, k of shape (n, m, 4) -> (n, m)."""
+        """The same for several k in each situation, shape (n, m, 4) -> (n, m)."""
+        return _over_members(self._of_several(matrix, mask, k))
+
+    def expected(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Belief:
+        """The same for one of several equally likely k, shape (n, m, 4) -> (n,)."""
+        return _over_members(self._of_several(matrix, mask, k).mean(dim=-1))
+
+    def _of_several(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
+        """Of each member, shape (members, n, m)."""
         count = k.shape[1]
-        belief = self.belief(matrix.repeat_interleave(count, 0), mask.repeat_interleave(count, 0), k.flatten(0, 1))
-        return Belief(*(each.reshape(-1, count) for each in belief))
+        several = matrix.repeat_interleave(count, 0), mask.repeat_interleave(count, 0), k.flatten(0, 1)
+        return self.probabilities(*several).reshape(-1, len(k), count)
+
+
+def _over_members(probability: Tensor) -> Belief:
+    return Belief(probability.mean(dim=0), probability.std(dim=0, correction=0))

@@ -13,7 +13,7 @@ from torch import nn
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.learning.checkpoint import Arrays, load, name_of
+from ictamp_drake.learning.checkpoint import Arrays, Kind, load, name_of
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dynamics import Dynamics
 from ictamp_drake.learning.networks import NetworkConfig
@@ -48,14 +48,25 @@ class SkillModel:
 
 @dataclass(frozen=True, eq=False)
 class EstimatorModel:
-    """What was learned of the success of one skill: P(matrix)."""
+    """What was learned of the success of one skill: P(matrix), the mean of critics over the policy's k.
 
-    classifier: Classifier
+    Its critics were trained on outcomes of the policy alone, and not those that the policy was trained with.
+    """
 
-    def believe(self, observation: Observation) -> FloatArray:
-        """P of n situations and the disagreement of the ensemble's members, shape (2, n)."""
+    policy: Policy
+    critic: Classifier
+
+    def believe(self, observation: Observation, draws: int) -> FloatArray:
+        """P of n situations and the disagreement of the ensemble's members, shape (2, n).
+
+        Args:
+            observation: the situations.
+            draws: k that the mean is taken over, see `Mixture.spread`.
+        """
+        matrix, mask = tensors(observation)
         with torch.inference_mode():
-            belief = self.classifier.belief(*tensors(observation))
+            k = parameter(self.critic.skill, matrix, self.policy.spread(matrix, mask, draws))
+            belief = self.critic.expected(matrix, mask, k)
         return torch.stack(belief).numpy().astype(np.float64)
 
 
@@ -83,13 +94,7 @@ def load_skill(folder: Path, skill: str) -> SkillModel:
     Raises:
         IctampError: see `checkpoint.load`.
     """
-    torch.set_num_threads(1)  # small networks are fastest so
-    found = load(folder, "policy", skill)
-    path = folder / name_of("policy", skill)
-    with _described(path):
-        policy = policy_network(found.network["policy"]).create(skill)
-        critic = Classifier(skill, NetworkConfig(**found.network["critic"]), sees_k=True)
-    return SkillModel(_filled(policy, found.arrays, "policy.", path), _filled(critic, found.arrays, "critic.", path))
+    return SkillModel(*_policy_and_critic(folder, "policy", skill))
 
 
 def load_estimator(folder: Path, skill: str) -> EstimatorModel:
@@ -98,12 +103,17 @@ def load_estimator(folder: Path, skill: str) -> EstimatorModel:
     Raises:
         IctampError: see `checkpoint.load`.
     """
-    torch.set_num_threads(1)
-    found = load(folder, "estimator", skill)
-    path = folder / name_of("estimator", skill)
+    return EstimatorModel(*_policy_and_critic(folder, "estimator", skill))
+
+
+def _policy_and_critic(folder: Path, kind: Kind, skill: str) -> tuple[Policy, Classifier]:
+    torch.set_num_threads(1)  # small networks are fastest so
+    found = load(folder, kind, skill)
+    path = folder / name_of(kind, skill)
     with _described(path):
-        estimator = Classifier(skill, NetworkConfig(**found.network), sees_k=False)
-    return EstimatorModel(_filled(estimator, found.arrays, "", path))
+        policy = policy_network(found.network["policy"]).create(skill)
+        critic = Classifier(skill, NetworkConfig(**found.network["critic"]))
+    return _filled(policy, found.arrays, "policy.", path), _filled(critic, found.arrays, "critic.", path)
 
 
 def load_dynamics(folder: Path, skill: str) -> DynamicsModel:

@@ -90,6 +90,21 @@ class Mixture(nn.Module):
         noise = torch.randn(chosen.shape, generator=generator)
         return _turned(mean.gather(1, chosen) + std.gather(1, chosen) * noise)
 
+    def spread(self, matrix: Tensor, mask: Tensor, count: int) -> Tensor:
+        """u that stand for the whole distribution, always the same ones, shape (n, count, 4)."""
+        log_weight, mean, std = self._numbers(matrix, mask)
+        points = _evenly(count, 5)
+        cumulated = log_weight.exp().cumsum(dim=1)
+        heights = points[:, 0] * cumulated[:, -1:]
+        chosen = torch.searchsorted(cumulated, heights)[..., None].expand(-1, -1, 4)
+        return _turned(mean.gather(1, chosen) + std.gather(1, chosen) * torch.special.ndtri(points[:, 1:]))
+
+
+def _evenly(count: int, dimensions: int) -> Tensor:
+    """Points spread evenly over the unit cube, its faces excluded, shape (count, dimensions)."""
+    engine = torch.quasirandom.SobolEngine(dimensions, scramble=True, seed=0)  # type: ignore[no-untyped-call]
+    return engine.draw(count).clamp(1e-6, 1 - 1e-6)
+
 
 def _turned(u: Tensor) -> Tensor:
     return torch.cat([u[..., :3], wrapped(u[..., 3:])], dim=-1)
@@ -143,6 +158,11 @@ class Squashed(nn.Module):
         mean, std = self._numbers(matrix, mask)
         noise = torch.randn((len(mean), count, 4), generator=generator)
         return self.scale * (mean + std * noise).tanh()
+
+    def spread(self, matrix: Tensor, mask: Tensor, count: int) -> Tensor:
+        """u that stand for the whole distribution, see `Mixture.spread`."""
+        mean, std = self._numbers(matrix, mask)
+        return self.scale * (mean + std * torch.special.ndtri(_evenly(count, 4))).tanh()
 
 
 Policy = Mixture | Squashed

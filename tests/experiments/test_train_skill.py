@@ -44,7 +44,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def trained(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("run")
     assert skill("--data", str(data), "--out", str(folder)) == 0
-    assert estimator("--data", str(data), "--out", str(folder)) == 0
+    assert estimator("--data", str(data), "--out", str(folder), "--policy", str(folder)) == 0
     return folder
 
 
@@ -77,7 +77,7 @@ def test_the_checkpoint_says_where_it_comes_from(trained: Path, data: Path) -> N
     for kind in ("policy", "estimator"):
         provenance = load(trained, kind, "pick").provenance  # type: ignore[arg-type]
         assert provenance["command"].startswith("python -m ictamp_drake.experiments.train_")
-        assert provenance["command"].endswith(f"--out {trained}")
+        assert f"--out {trained}" in provenance["command"]
         assert provenance["data"] == {"fingerprint": fingerprint(data), "attempts": 120 * 12}
         assert provenance["options"]["fit"]["epochs"] == 30
         assert {"commit", "versions"} <= provenance.keys()
@@ -85,7 +85,7 @@ def test_the_checkpoint_says_where_it_comes_from(trained: Path, data: Path) -> N
 
 def test_the_same_command_again_changes_nothing(trained: Path, data: Path) -> None:
     before = (trained / "pick_estimator.safetensors").read_bytes()
-    assert estimator("--data", str(data), "--out", str(trained)) == 0
+    assert estimator("--data", str(data), "--out", str(trained), "--policy", str(trained)) == 0
     assert (trained / "pick_estimator.safetensors").read_bytes() == before
 
 

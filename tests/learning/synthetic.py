@@ -68,12 +68,11 @@ def untrained(folder: Path) -> Path:
     """A folder with a policy, an estimator and dynamics of each skill that have their starting weights."""
     torch.manual_seed(0)
     for skill in ("pick", "place"):
-        critic, policy = Classifier(skill, SIZE, sees_k=True), POLICY.create(skill)
+        critic, policy = Classifier(skill, SIZE), POLICY.create(skill)
         arrays = {**arrays_of(policy, "policy."), **arrays_of(critic, "critic.")}
         network = {"policy": asdict(POLICY), "critic": asdict(SIZE)}
         Checkpoint("policy", skill, arrays, network, PROVENANCE, {"auc": 0.5}).save(folder)
-        estimator = Classifier(skill, SIZE, sees_k=False)
-        Checkpoint("estimator", skill, arrays_of(estimator), asdict(SIZE), PROVENANCE, {}).save(folder)
+        Checkpoint("estimator", skill, arrays, network, PROVENANCE, {}).save(folder)
         dynamics = Dynamics(skill, ONE)
         Checkpoint("dynamics", skill, arrays_of(dynamics), asdict(ONE), PROVENANCE, {}).save(folder)
     return folder

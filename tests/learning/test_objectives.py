@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from ictamp_drake.learning.batches import Batch
-from ictamp_drake.learning.classifier import Belief, Classifier
+from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dynamics import Dynamics
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining, Prediction
@@ -25,16 +25,15 @@ STAP = PolicyTraining(
 class Ridges(Classifier):
     """A critic that likes grasps across the box's faces near its middle: four ways, a quarter turn apart."""
 
-    def belief(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Belief:  # noqa: ARG002
-        assert k is not None
+    def probabilities(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:  # noqa: ARG002
         u = normalised("pick", matrix, k)
         mean = torch.exp(-(u[:, :3] ** 2).sum(dim=-1)) * (0.5 + 0.5 * torch.cos(4 * k[:, 3]))
-        return Belief(mean, torch.zeros_like(mean))
+        return mean[None]
 
 
 def critic() -> Classifier:
     torch.manual_seed(0)
-    return Ridges("pick", SIZE, sees_k=True)
+    return Ridges("pick", SIZE)
 
 
 def successes() -> Batch:
@@ -100,21 +99,21 @@ def test_the_temperature_falls_while_the_entropy_is_above_its_target(target: flo
 
 def test_caution_takes_the_disagreement_off() -> None:
     class Torn(Ridges):
-        def belief(self, matrix: Tensor, mask: Tensor, k: Tensor | None = None) -> Belief:
-            mean, _ = super().belief(matrix, mask, k)
-            return Belief(mean, torch.full_like(mean, 0.25))
+        def probabilities(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
+            (mean,) = super().probabilities(matrix, mask, k)
+            return torch.stack([mean - 0.25, mean + 0.25])
 
     figures = []
     for caution in (0.0, 2.0):
         torch.manual_seed(0)
-        improvement = Improvement(replace(MIXTURE, caution=caution, imitation=0.0), Torn("pick", SIZE, sees_k=True))
+        improvement = Improvement(replace(MIXTURE, caution=caution, imitation=0.0), Torn("pick", SIZE))
         with torch.inference_mode():
             figures.append(improvement.validate(successes(), torch.Generator().manual_seed(0))["loss"])
     assert figures[1] - figures[0] == pytest.approx(0.5, abs=1e-5)
 
 
 def test_the_critics_are_not_trained_with_the_policy() -> None:
-    before = Classifier("pick", SIZE, sees_k=True)
+    before = Classifier("pick", SIZE)
     improvement = Improvement(MIXTURE, before)
     improvement.loss(successes(), torch.Generator()).backward()
     assert all(weights.grad is None for weights in before.parameters())
@@ -123,7 +122,7 @@ def test_the_critics_are_not_trained_with_the_policy() -> None:
 
 
 def test_members_learn_from_their_own_samples() -> None:
-    classifier = Classifier("pick", SIZE, sees_k=True)
+    classifier = Classifier("pick", SIZE)
     weighted = replace(successes(), weight=torch.tensor([[1.0, 0.0]]).expand(64, 2))
     Classification(classifier).loss(weighted, torch.Generator()).backward()
     for weights in classifier.parameters():

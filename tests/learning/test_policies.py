@@ -65,6 +65,19 @@ def test_branches_carry_their_density_and_gradients(policy: Policy) -> None:
         assert any(gradient is not None and gradient.abs().sum() > 0 for gradient in gradients)
 
 
+def test_what_is_spread_stands_for_the_draws(policy: Policy) -> None:
+    """Few of them have the mean that many draws have, and they are the same whatever else is asked."""
+    matrix, mask = matrices()
+    with torch.inference_mode():
+        u, draws = policy.spread(matrix, mask, 64), policy.draw(matrix, mask, 4096, noise())
+        alone = policy.spread(matrix[2:3], mask[2:3], 64)
+    assert u.shape == (6, 64, 4)
+    torch.testing.assert_close(alone, u[2:3], rtol=1e-3, atol=1e-4)
+    for value in (torch.sin, torch.cos, torch.tanh):
+        error = (value(u).mean(dim=1) - value(draws).mean(dim=1)).abs()
+        assert (error < 0.4 * value(draws).std(dim=1) / 8).float().mean() > 0.6  # chance leaves a third so good
+
+
 def test_yaw_goes_round_in_a_mixture() -> None:
     policy = created("mixture")
     matrix, mask = matrices()

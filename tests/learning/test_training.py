@@ -31,7 +31,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Data:
 def new(data: Data, folder: Path, config: FitConfig = CONFIG, **purpose: object) -> tuple[Fit, Classifier]:
     """As a program begins that knows nothing but the folder."""
     start(config.seed)
-    critic = Classifier("pick", SIZE, sees_k=True)
+    critic = Classifier("pick", SIZE)
     return Fit(Classification(critic), data, config, folder=folder, purpose=purpose), critic
 
 
