@@ -17,6 +17,9 @@ PALM = (0.0195, 0.101, 0.037)
 WRIST = (0.075, 0.075, 0.105)
 PARTS = 4
 """Fingers, palm, wrist, box."""
+_SIDE = GRIPPER_MAX_WIDTH / 2 + FINGER[1]
+_HAND = torch.tensor([(_SIDE, *FINGER), (-_SIDE, *FINGER), (0.0, *PALM), (0.0, *WRIST)])
+"""Of each part of the hand: shift across G's x axis, half sides, height of the lower face [m]."""
 
 
 class Blocks(NamedTuple):
@@ -42,18 +45,15 @@ def clearances(hand: Tensor, heading: Tensor, box: Blocks, objects: Blocks) -> T
         box: the box to grasp or the held one, n of them.
         objects: n times m of them.
     """
-    side = GRIPPER_MAX_WIDTH / 2 + FINGER[1]
-    across = torch.stack([-heading[1], heading[0]]) * side
-    fingers = [_part(hand, heading, FINGER, shift) for shift in (across, -across)]
-    parts = [*fingers, _part(hand, heading, PALM), _part(hand, heading, WRIST), box]
-    distances = _distances(Blocks(*(torch.stack(each, dim=1)[..., None] for each in zip(*parts, strict=True))), objects)
+    shift, length, width, lower = _HAND.T[..., None]
+    x, y, z = hand
+    cos, sin = heading
+    centre = torch.stack([x - sin * shift, y + cos * shift, z + lower])
+    half = torch.stack([length, width, torch.zeros_like(width)]).expand_as(centre)  # flat, at the lower face
+    parts = centre, heading[:, None].expand(2, *centre.shape[1:]), half
+    both = Blocks(*(torch.cat([each, one[:, None]], dim=1)[..., None] for each, one in zip(parts, box, strict=True)))
+    distances = _distances(both, objects)
     return torch.cat([distances[:2].amin(dim=0, keepdim=True), distances[2:]])
-
-
-def _part(hand: Tensor, heading: Tensor, size: tuple[float, float, float], shift: Tensor | float = 0.0) -> Blocks:
-    """A part of the hand, given by half sides and the height of its lower face, as a flat box at that height."""
-    centre = torch.cat([hand[:2] + shift, hand[2:] + size[2]])
-    return Blocks(centre, heading, hand.new_tensor([[size[0]], [size[1]], [0.0]]).expand_as(hand))
 
 
 def _distances(parts: Blocks, objects: Blocks) -> Tensor:

@@ -5,7 +5,7 @@ from typing import Literal
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import relu
+from torch.nn.functional import relu_
 
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.observation import ROWS
@@ -80,16 +80,15 @@ class SetNetwork(nn.Module):
         Returns:
             Shape (members, n, outputs).
         """
-        count, present = len(rows), mask.to(rows.dtype)
-        rows = rows * present[..., None]
-        roles = torch.cat([rows[:, :ROLES].flatten(1), present[:, :ROLES], extra], dim=1)
-        role = relu(self.role_2(relu(self.role_1(roles[None]))))
+        count, present = len(rows), mask.to(rows.dtype)[..., None]
+        roles = torch.cat([(rows[:, :ROLES] * present[:, :ROLES]).flatten(1), present[:, :ROLES, 0], extra], dim=1)
+        role = relu_(self.role_2(relu_(self.role_1(roles[None]))))
         members, width = len(role), role.shape[-1]
         others = self.other_1(rows[:, ROLES:].flatten(0, 1)[None]).reshape(members, count, -1, width)
-        others = relu(others + self.light(role)[:, :, None])
-        others = relu(self.other_2(others.flatten(1, 2))).reshape_as(others) * present[:, ROLES:, None]
+        others = relu_(others.add_(self.light(role)[:, :, None]))
+        others = relu_(self.other_2(others.flatten(1, 2))).reshape_as(others) * present[:, ROLES:]
         pooled = torch.cat([role, others.amax(dim=2), others.mean(dim=2)], dim=-1)
-        return self.head_2(relu(self.head_1(pooled)))
+        return self.head_2(relu_(self.head_1(pooled)))
 
 
 class FlatNetwork(nn.Module):
@@ -104,4 +103,4 @@ class FlatNetwork(nn.Module):
     def forward(self, rows: Tensor, mask: Tensor, extra: Tensor) -> Tensor:
         """Outputs of all members, see `SetNetwork.forward`."""
         flat = (rows * mask.to(rows.dtype)[..., None]).flatten(1)
-        return self.head(relu(self.layer_2(relu(self.layer_1(torch.cat([flat, extra], dim=1)[None])))))
+        return self.head(relu_(self.layer_2(relu_(self.layer_1(torch.cat([flat, extra], dim=1)[None])))))

@@ -1,6 +1,7 @@
 """π(k | matrix): stochastic policies of one skill, from which k is drawn in batches."""
 
 import math
+from functools import lru_cache
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -100,6 +101,7 @@ class Mixture(nn.Module):
         return _turned(mean.gather(1, chosen) + std.gather(1, chosen) * torch.special.ndtri(points[:, 1:]))
 
 
+@lru_cache
 def _evenly(count: int, dimensions: int) -> Tensor:
     """Points spread evenly over the unit cube, its faces excluded, shape (count, dimensions)."""
     engine = torch.quasirandom.SobolEngine(dimensions, scramble=True, seed=0)  # type: ignore[no-untyped-call]
