@@ -1,8 +1,8 @@
 """π(k | matrix): stochastic policies of one skill, from which k is drawn in batches."""
 
 import math
-from functools import lru_cache
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import torch
