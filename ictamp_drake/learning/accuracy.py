@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.learning.cases import Case, Counts, counted, halves
-from ictamp_drake.learning.metrics import BINS
+from ictamp_drake.learning.metrics import BINS, bins
 
 RESAMPLES, LEVEL = 2000, 0.95
 CEILING = "half of GT"
@@ -126,14 +126,6 @@ def interval(value: float, resamples: FloatArray, low: float, high: float) -> In
     tails = np.nanquantile(resamples, [(1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2])
     below, above = np.clip(value + tails[[0, 2]] - tails[1], low, high)
     return Interval(value, float(min(below, value)), float(max(above, value)))  # equal but for rounding
-
-
-def bins(P: FloatArray, attempts: FloatArray) -> NDArray[np.intp]:
-    """The bin of each case, shape (n,): as many attempts in each as can be without parting equal estimates."""
-    values, place = np.unique(P, return_inverse=True)
-    mass = np.bincount(place, attempts, len(values))
-    middle = (np.cumsum(mass) - mass / 2) / mass.sum()
-    return np.minimum(middle * BINS, BINS - 1).astype(np.intp)[place]
 
 
 def _error(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArray:

@@ -1,6 +1,7 @@
 """How good probabilities are, and Platt's calibration."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit
 from sklearn.metrics import brier_score_loss, log_loss, roc_auc_score  # type: ignore[import-untyped]
@@ -29,9 +30,17 @@ def metrics(P: FloatArray, success: FloatArray) -> dict[str, float]:
 
 
 def calibration_error(P: FloatArray, success: FloatArray) -> float:
-    """ECE: mean distance of probability and frequency over bins with equally many attempts."""
-    parts = np.array_split(np.argsort(P, kind="stable"), min(BINS, len(P)))
-    return float(sum(len(part) * abs(P[part].mean() - success[part].mean()) for part in parts) / len(P))
+    """ECE: mean distance of probability and frequency over bins, see `bins`."""
+    surplus = np.bincount(bins(P, np.ones(len(P))), P - success)
+    return float(np.abs(surplus).sum() / len(P))
+
+
+def bins(P: FloatArray, attempts: FloatArray) -> NDArray[np.intp]:
+    """The bin of each case, shape (n,): as many attempts in each as can be without parting equal estimates."""
+    values, place = np.unique(P, return_inverse=True)
+    mass = np.bincount(place, attempts, len(values))
+    middle = (np.cumsum(mass) - mass / 2) / mass.sum()
+    return np.minimum(middle * BINS, BINS - 1).astype(np.intp)[place]
 
 
 def platt(logits: FloatArray, success: FloatArray) -> tuple[float, float]:

@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.learning.accuracy import Accuracy, advantage, bins, resampled
+from ictamp_drake.learning.accuracy import Accuracy, advantage, resampled
+from ictamp_drake.learning.metrics import bins
 
 CLOSER, FARTHER, OTHERS = "#1f6fb4", "#d1652b", ("#444444", "#7b4ea3", "#b08d00", "#3b8f6b", "#c0508c", "#8a8a8a")
 LABEL, GRID = "#333333", "#dddddd"

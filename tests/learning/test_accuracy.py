@@ -12,7 +12,6 @@ from ictamp_drake.learning.accuracy import (
     CEILING,
     SCORES,
     advantage,
-    bins,
     compared,
     figures_of,
     interval,
@@ -20,7 +19,7 @@ from ictamp_drake.learning.accuracy import (
     share_closer,
 )
 from ictamp_drake.learning.cases import Case, Counts, counted
-from ictamp_drake.learning.metrics import BINS, metrics
+from ictamp_drake.learning.metrics import BINS, bins, metrics
 from tests.learning.counted import case
 
 PROBABILITY = st.floats(0, 1)
