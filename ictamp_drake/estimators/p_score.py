@@ -33,7 +33,7 @@ class PScoreConfig:
     """
 
     checkpoints: Path | None = None
-    draws: int = 4
+    draws: int = 16
 
     def __post_init__(self) -> None:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)
