@@ -25,10 +25,12 @@ from ictamp_drake.world.observation import Observation
 class TrainEstimator:
     """Train an ensemble on outcomes, stop it early and calibrate it on scenes it has not seen.
 
-    It learns from the k that was tried; P is its mean over the k that the policy proposes.
+    It learns from the k that was tried; P is its mean over the k that the policy proposes. So it can learn from
+    attempts with any k, while only those with the policy tell how good P is.
 
     Attributes:
         data: folder of recorded attempts with the policy.
+        also: folders of attempts with any k that are learned from too, and neither calibrate nor test.
         out: folder of the run, by default a new one in runs/; naming that of an interrupted run continues it.
         skills: to train, one after the other.
         sampler: learn only from attempts whose k came from there; from all by default.
@@ -38,6 +40,7 @@ class TrainEstimator:
     """
 
     data: Path
+    also: tuple[Path, ...] = ()
     out: Path | None = None
     skills: tuple[str, ...] = SKILLS
     sampler: str | None = None
@@ -51,6 +54,7 @@ def train(options: TrainEstimator, course: Course) -> bool:
     folder, skill = options.policy or SHIPPED, course.skill
     policy, found = load_skill(folder, skill).policy, load(folder, "policy", skill)
     critic = Classifier(skill, options.network)
+    course = course.with_more(*options.also)
     complete = course.fit("estimator", Classification(critic), options.fit, bootstraps=options.network.members)
     calibrate(critic, course.parts.validation)
     Checkpoint(

@@ -5,7 +5,7 @@ import json
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.learning.batches import Split, split
+from ictamp_drake.learning.batches import Split, batch, joined, split
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.dataset import Attempts, fingerprint, load
 from ictamp_drake.learning.objectives import Objective
@@ -70,6 +70,13 @@ class Course:
     about: Mapping[str, Any]
     progress: Progress
 
+    def with_more(self, *folders: Path) -> "Course":
+        """The same with all attempts of further folders to learn from."""
+        more = [batch(load(folder, self.skill)) for folder in folders]
+        training = joined(self.parts.training, *more)
+        about = {**self.about, "also": [fingerprint(folder) for folder in folders]}
+        return replace(self, parts=self.parts._replace(training=training), about=about)
+
     def fit(self, name: str, objective: Objective, config: FitConfig, bootstraps: int = 1) -> bool:
         """Train to the end; False when Ctrl-C came before.
 
@@ -83,7 +90,7 @@ class Course:
         if bootstraps > 1:
             training = training.bootstrapped(bootstraps, generator(Stream.TRAINING, config.seed, bootstraps))
         data = Data(training, self.parts.validation)
-        purpose = {key: self.about[key] for key in ("options", "data")}
+        purpose = {key: self.about.get(key) for key in ("options", "data", "also")}
         fit = Fit(objective, data, config, folder=self.folder / self.skill / name, purpose=purpose)
         task = self.progress.add_task(f"{self.skill} {name}", total=config.epochs)
 

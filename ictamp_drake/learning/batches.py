@@ -75,6 +75,11 @@ class Split(NamedTuple):
         return Split(*(part.telling() for part in self))
 
 
+def joined(*batches: Batch) -> Batch:
+    """All attempts of several batches."""
+    return Batch(**{field.name: torch.cat([getattr(one, field.name) for one in batches]) for field in fields(Batch)})
+
+
 def split(attempts: Attempts) -> Split:
     """Split by the number of the scene alone: a scene is where it is, whatever else was collected.
 

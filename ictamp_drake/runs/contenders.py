@@ -78,7 +78,7 @@ class KnownRates:
 
 
 def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, Contender]:
-    """P, its mean over more k, STAP's Q of a single draw and other ways of reading the critics, and the base rate, by name.
+    """P, also over more k, STAP's Q of a single draw and other ways of reading the critics, and the base rate, by name.
 
     Args:
         checkpoints: folder of all networks.

@@ -126,11 +126,24 @@ def test_the_reference_of_stap_is_trained_by_the_options_that_the_help_names(dat
     assert model.critic.network.layer_1.weight.shape[0::2] == (2, 256)
 
 
+def test_an_estimator_learns_from_further_attempts_too(data: Path, trained: Path, tmp_path: Path) -> None:
+    more = tmp_path / "more"
+    write_attempts(more, scenes=8)
+    given = ["--data", str(data), "--policy", str(trained), "--fit.epochs", "2", "--out", str(tmp_path)]
+    assert estimator(*given, "--also", str(more)) == 0
+    found, alone = load(tmp_path, "estimator", "pick"), load(trained, "estimator", "pick")
+    assert found.provenance["also"] == [fingerprint(more)]
+    assert found.provenance["data"] == alone.provenance["data"]
+    assert found.metrics["count"] == alone.metrics["count"]
+    assert estimator(*given) == 2  # what it learned from is part of the run's purpose
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         (["--data", "nowhere"], "nowhere: no recorded attempts"),
         (["--data", "{data}", "--sampler", "policy"], "too few recorded attempts: of 0 in the training scenes"),
+        (["--data", "{data}", "--also", "nowhere"], "nowhere: no recorded attempts"),
         (["--data", "{data}", "--skills", "push"], "skills is 'push', but must be one of: pick, place"),
         (["--data", "{data}", "--fit.batch", "0"], "fit.batch is 0, but must be between 1 and 1e+09"),
         (["--data", "{data}", "--network.members", "0"], "members is 0, but must be between 1 and 100"),
