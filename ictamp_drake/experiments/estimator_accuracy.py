@@ -45,7 +45,7 @@ class EstimatorAccuracy:
         out: folder for the table, the cases and the pictures, by default a new one in runs/.
         checkpoints: folder of the trained networks, by default that of the package.
         skills: that are looked at.
-        least: attempts at a case, an action from one c; cases with fewer are left out.
+        least: attempts at a case, an action from one c, that count; cases with fewer are left out.
         sampler: count only attempts whose k came from there; all by default.
         plans: also STAP's product of Q along the plan, which needs trained dynamics.
         base_rate: share of successes among the attempts that P was trained on.

@@ -71,14 +71,15 @@ def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None)
     Args:
         folder: of recorded attempts.
         skill: pick or place.
-        least: attempts at a case; those with fewer are left out.
+        least: attempts at a case; those with fewer are left out, and of more only the first count, so that no case
+            counts for more than another.
         sampler: where k must come from; anywhere by default.
 
     Raises:
         IctampError: no attempts, too few of them, or all with the same outcome or in one scene.
     """
     groups = _grouped(folder, skill, sampler)
-    cases = [_case(rows) for _, rows in sorted(groups.items()) if len(rows) >= least]
+    cases = [_case(rows[:least]) for _, rows in sorted(groups.items()) if len(rows) >= least]
     if not cases:
         most = max(map(len, groups.values()), default=0)
         raise IctampError(
