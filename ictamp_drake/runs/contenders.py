@@ -78,7 +78,7 @@ class KnownRates:
 
 
 def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, Contender]:
-    """P, also over more k, STAP's Q of a single draw and other ways of reading the critics, and the base rate, by name.
+    """P, STAP's Q of a single draw and other ways of reading the critics, P over more k, and the base rate, by name.
 
     Args:
         checkpoints: folder of all networks.
@@ -95,4 +95,4 @@ def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict
     for config in (Q, *ahead.values()):
         config.check()
     several = {"Q of 1 draw": Q, "Q mean of 32": replace(Q, draws=32), "Q best of 16": best}
-    return {"P": P, "P of 32 draws": replace(P, draws=32), **several, **ahead, "base rate": rates}
+    return {"P": P, **several, **ahead, "P of 32 draws": replace(P, draws=32), "base rate": rates}
