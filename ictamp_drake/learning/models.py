@@ -50,7 +50,7 @@ class SkillModel:
 class EstimatorModel:
     """What was learned of the success of one skill: P(matrix), the mean of critics over the policy's k.
 
-    Its critics were trained on outcomes of the policy alone, and not those that the policy was trained with.
+    Its critics were trained on outcomes of the policy, after it, and are not those that the policy was trained with.
     """
 
     policy: Policy

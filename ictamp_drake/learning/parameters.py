@@ -184,8 +184,8 @@ def seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     p_O = (torch.stack([x, y, torch.linalg.cross(x, y, dim=0)]) * p_KO).sum(dim=1)
     cos, sin = k[:, 3:].cos(), k[:, 3:].sin()
     along, across, up = torch.stack([-p_KO, x, y], dim=1)
-    position, *axes = turned = torch.stack([cos * along + sin * across, cos * across - sin * along, up], dim=1)
-    objects = Blocks(position, axes[0][:2], half)
+    position, heading, _ = turned = torch.stack([cos * along + sin * across, cos * across - sin * along, up], dim=1)
+    objects = Blocks(position, heading[:2], half)
     hand = _hand(skill, matrix)
     apart = clearances(hand.position.T, hand.heading.T[:2], _moved(skill, objects), objects)
     parts = [position / _DISTANCE, turned[1:].flatten(0, 1), _fine(p_O.abs() - half, 0.01), _fine(apart, 0.005)]
