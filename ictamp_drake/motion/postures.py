@@ -9,8 +9,8 @@ the shoulder's three are Euler angles.
 import numpy as np
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import DH_PARAMETERS, FLANGE_OFFSET, GRASP_OFFSET, HAND_ANGLE
-from ictamp_drake.world.matrices import inverse, link
+from ictamp_drake.models.constants import DH_PARAMETERS
+from ictamp_drake.world.matrices import X_7G, inverse, link
 
 _P_BS: FloatArray = np.array([0.0, 0.0, DH_PARAMETERS[0].d])
 _S: FloatArray = np.array([DH_PARAMETERS[4].a, -DH_PARAMETERS[2].d])
@@ -30,7 +30,7 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
         Shape (m, 7), angles but the last in [-π, π) [rad].
     """
     last, bend = np.tile(last, 2), np.repeat([1.0, -1.0], len(last))
-    X_B6 = X_BG @ inverse(_link(7, last) @ link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE])))
+    X_B6 = X_BG @ inverse(_link(7, last) @ X_7G)
     a, b, c = np.einsum("nji,nj->in", X_B6[:, :3, :3], _P_BS - X_B6[:, :3, 3])  # from W to S in link 6's frame
     found = []
     with np.errstate(invalid="ignore", divide="ignore"):  # what can't be is nan

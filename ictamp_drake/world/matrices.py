@@ -79,9 +79,13 @@ def link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:
     return X
 
 
+X_7G: FloatArray = link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE]))[0]
+"""Pose of G in link 7's frame, shape (4, 4)."""
+
+
 def forward(q: FloatArray) -> FloatArray:
     """X_BG at the arm's joint positions, shape (n, 7) [rad] -> (n, 4, 4)."""
     X_BG = np.eye(4)
     for joint, angle in zip(DH_PARAMETERS, q.T, strict=True):
         X_BG = X_BG @ link(*joint, angle)
-    return X_BG @ link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE]))
+    return X_BG @ X_7G
