@@ -132,7 +132,7 @@ def timed(sampler: Sampler[Configuration], c: Configuration, a: Action) -> float
 def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]]:
     """The sources whose costs differ."""
     arm = ArmKinematics(to_transform(world.spec.arm.X_WB))
-    learned = {"policy": PolicyConfig(options.checkpoints, 1), "best": PolicyConfig(options.checkpoints, 16)}
+    learned = {"policy": PolicyConfig(options.checkpoints, 1), "best": PolicyConfig(options.checkpoints, 16, 0.0)}
     if options.reference:
         learned["reference"] = PolicyConfig(options.reference, 1)
     configs = {"uniform": UniformConfig(), "optimisation": OptimisationConfig(), **learned}

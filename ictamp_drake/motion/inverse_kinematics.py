@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
@@ -17,6 +18,7 @@ from ictamp_drake.world.build import PANDA_URL
 
 LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
 UPPER: FloatArray = np.array([limits.upper for limits in ARM_LIMITS])
+VELOCITY: FloatArray = np.array([limits.velocity for limits in ARM_LIMITS])
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,7 @@ class KinematicsConfig:
     Attributes:
         joint_margin: distance kept from the joint limits [rad].
         last_step: between the angles of the last joint at which postures are looked at [rad].
+        travel_step: the same when only the time to a posture is asked for [rad].
         guess_weight: cost of the distance from the guess; larger gives solutions nearer to it.
         comfort_weight: cost of the distance from the arm's comfortable configuration.
         attempts: postures tried, the cheapest first.
@@ -39,6 +42,7 @@ class KinematicsConfig:
 
     joint_margin: float = 0.02
     last_step: float = 0.05
+    travel_step: float = 0.1
     guess_weight: float = 1.0
     comfort_weight: float = 0.1
     attempts: int = 12
@@ -79,7 +83,7 @@ class ArmKinematics:
             accept: what a solution must satisfy besides, e.g. to be free of collisions.
         """
         found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._last)
-        found = found[np.all((found >= self.lower) & (found <= self.upper), axis=1)]
+        found = found[self._within_limits(found)]
         near, ease = ((found - q) ** 2 for q in (q_guess, self.comfortable(X_WG)))
         cost = (self.config.guess_weight * near + self.config.comfort_weight * ease).sum(axis=1)
         found = found[np.argsort(cost, kind="stable")]
@@ -91,6 +95,28 @@ class ArmKinematics:
                 return q
             found = found[np.abs(found - q).max(axis=1) >= self.config.apart]
         return None
+
+    def travel_times(self, X_WG: FloatArray, q: FloatArray) -> FloatArray:
+        """Least time in which the arm could bring G to each pose if no joint needed to accelerate or to avoid anything.
+
+        Args:
+            X_WG: where G shall be, shape (n, 4, 4).
+            q: where the arm is, shape (7,) [rad].
+
+        Returns:
+            Shape (n,) [s], infinite where the arm has no posture.
+        """
+        last = np.arange(self.lower[6], self.upper[6], self.config.travel_step)
+        X_BG = np.repeat(self._X_BW.GetAsMatrix4() @ X_WG, len(last), axis=0)
+        found = postures(X_BG, np.tile(last, len(X_WG)))
+        times = np.where(self._within_limits(found), (np.abs(found - q) / VELOCITY).max(axis=2), np.inf)
+        least: FloatArray = times.reshape(8, len(X_WG), len(last)).min(axis=(0, 2))
+        return least
+
+    def _within_limits(self, q: FloatArray) -> NDArray[np.bool_]:
+        """Of joint positions, shape (..., 7) -> (...); False for nan."""
+        inside: NDArray[np.bool_] = np.all((q >= self.lower) & (q <= self.upper), axis=-1)
+        return inside
 
     def comfortable(self, X_WG: RigidTransform) -> FloatArray:
         """The arm's comfortable configuration turned about its base towards G, shape (7,) [rad]."""

@@ -23,14 +23,15 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
     """Joint positions with the hand at X_BG, up to eight for each angle of the last joint, whatever the joints' limits.
 
     Args:
-        X_BG: pose of G in the arm's base frame, shape (4, 4).
+        X_BG: pose of G in the arm's base frame, the same for all angles or one for each, shape (4, 4) or (n, 4, 4).
         last: angles of the last joint, shape (n,) [rad].
 
     Returns:
-        Shape (m, 7), angles but the last in [-π, π) [rad].
+        Shape (8, n, 7), angles but the last in [-π, π) [rad]; nan for a posture that there is not.
     """
-    last, bend = np.tile(last, 2), np.repeat([1.0, -1.0], len(last))
-    X_B6 = X_BG @ inverse(_link(7, last) @ X_7G)
+    count = len(last)
+    last, bend = np.tile(last, 2), np.repeat([1.0, -1.0], count)
+    X_B6 = np.tile(X_BG, (2 if X_BG.ndim == 3 else 1, 1, 1)) @ inverse(_link(7, last) @ X_7G)
     a, b, c = np.einsum("nji,nj->in", X_B6[:, :3, :3], _P_BS - X_B6[:, :3, 3])  # from W to S in link 6's frame
     found = []
     with np.errstate(invalid="ignore", divide="ignore"):  # what can't be is nan
@@ -47,9 +48,9 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
                 q2 = np.arctan2(side * np.hypot(R[:, 0, 2], R[:, 1, 2]), R[:, 2, 2])
                 sin, cos = (np.cos(q1) * R[:, 1, i] - np.sin(q1) * R[:, 0, i] for i in (0, 1))
                 found.append(np.column_stack([q1, q2, np.arctan2(sin, cos), q4, q5, q6, last]))
-    q = np.concatenate(found)
-    q[:, :6] = np.remainder(q[:, :6] + np.pi, 2 * np.pi) - np.pi
-    return q[np.isfinite(q).all(axis=1)]
+    q = np.reshape(found, (8, count, 7))
+    q[..., :6] = np.remainder(q[..., :6] + np.pi, 2 * np.pi) - np.pi
+    return np.where(np.isfinite(q).all(axis=2, keepdims=True), q, np.nan)
 
 
 def _link(number: int, angle: FloatArray) -> FloatArray:

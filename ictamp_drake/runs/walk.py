@@ -12,6 +12,7 @@ from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Attempt, Configuration, State
 from ictamp_drake.learning.dataset import Row, scene_text
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.scenes.training import training_scene
@@ -22,6 +23,7 @@ from ictamp_drake.skills.runner import SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
 from ictamp_drake.world.world import World
@@ -105,7 +107,7 @@ class WalkConfig:
     def learned(self, source: str) -> PolicyConfig:
         """How a source draws from a trained policy."""
         folder = self.reference if source == "reference" else self.checkpoints
-        return PolicyConfig(folder, _CANDIDATES if source in ("best", "product") else 1)
+        return PolicyConfig(folder, _CANDIDATES if source in ("best", "product") else 1, tolerance=0.0)
 
 
 _LEARNED = ("policy", "best", "product", "reference")
@@ -149,6 +151,7 @@ class _Course:
         self._config = config
         self._rng = rng
         self._world = World(spec)
+        self._arm = ArmKinematics(to_transform(spec.arm.X_WB))
         self._abstraction = Abstraction(self._world)
         self._physics = PhysicsConfig().create(spec)
         plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimisationConfig())
@@ -168,7 +171,7 @@ class _Course:
             return PerturbedSampler(world, optimisation, config.noise)
         if source == "uniform":
             return UniformSampler(world, UniformConfig(max_height=config.drop))
-        return config.learned(source).create(world) if source in _LEARNED else optimisation
+        return config.learned(source).create(world, self._arm) if source in _LEARNED else optimisation
 
     def attempts(
         self, spared: Collection[int], begin: Callable[[int], None]

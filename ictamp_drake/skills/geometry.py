@@ -3,7 +3,8 @@
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
-from ictamp_drake.core.types import Configuration, Parameter
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
+from ictamp_drake.world.matrices import grasps, level
 from ictamp_drake.world.world import World
 
 R_DOWN = RotationMatrix.MakeXRotation(np.pi)
@@ -42,6 +43,15 @@ def placement_parameter(
     """k of a hand pose, the inverse of `placement_pose` for boxes held level."""
     X_TB = world.X_WT(c, receptacle).inverse() @ X_WG @ X_GB
     return np.append(X_TB.translation(), yaw_of(X_TB.rotation()))
+
+
+def hand_poses(world: World, c: Configuration, action: Action, k: FloatArray, X_WG: RigidTransform) -> FloatArray:
+    """`grasp_pose` or `placement_pose` of many parameters, (n, 4) -> (n, 4, 4), with the hand of c at X_WG."""
+    box, place = action.args
+    if action.name == "pick":
+        return world.upright(c, box).X_WU.GetAsMatrix4() @ grasps(k)
+    X_GB = held_bottom(world, c, box, X_WG)
+    return world.X_WT(c, place).GetAsMatrix4() @ level(k) @ X_GB.inverse().GetAsMatrix4()
 
 
 def yaw_of(R: RotationMatrix) -> float:

@@ -1,4 +1,4 @@
-"""k from the learned policy: several candidates at once, of which the critics choose."""
+"""k from the learned policy: several candidates at once, of which the critics choose, and the way of the arm."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,9 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
+from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.world import World
 
@@ -25,15 +27,19 @@ class PolicyConfig:
         checkpoints: folder of the trained policies, by default that of the package.
         candidates: drawn for one attempt, which tries them in the order of their Q until motion planning refuses none
             (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
+        tolerance: candidates whose Q is less than the greatest by no more than this count as equally good, and those
+            that the arm is sooner at come first.
     """
 
     checkpoints: Path | None = None
     candidates: int = 64
+    tolerance: float = 0.02
 
     def __post_init__(self) -> None:
         check_range("samplers.policy.candidates", self.candidates, 1, 4096)
+        check_range("samplers.policy.tolerance", self.tolerance, 0, 1)
 
-    def create(self, world: World, arm: object = None) -> "PolicySampler":  # noqa: ARG002  (the same for all samplers)
+    def create(self, world: World, arm: ArmKinematics) -> "PolicySampler":
         """The sampler for one scene.
 
         Raises:
@@ -43,7 +49,7 @@ class PolicyConfig:
 
         folder = self.checkpoints or SHIPPED
         models = {skill: load_skill(folder, skill) for skill in SKILLS}
-        return PolicySampler(Observer(world.spec), models, self.candidates)
+        return PolicySampler(world, arm, models, self)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""
@@ -51,22 +57,31 @@ class PolicyConfig:
 
 
 class PolicySampler:
-    """Draws k from π(k | matrix), the best of several by Q(matrix, k)."""
+    """Draws k from π(k | matrix); of several, those with the best Q(matrix, k) that are near come first."""
 
-    def __init__(self, observer: Observer, models: Mapping[str, "SkillModel"], candidates: int) -> None:
-        self._observer = observer
+    def __init__(
+        self, world: World, arm: ArmKinematics, models: Mapping[str, "SkillModel"], config: PolicyConfig
+    ) -> None:
+        self._world = world
+        self._arm = arm
+        self._observer = Observer(world.spec)
         self._models = models
-        self._candidates = candidates
+        self._config = config
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
-        """Any number of k: all candidates, the greatest Q first, then others."""
+        """Any number of k: all candidates, the best first, then others."""
         while True:
             yield from self._ranked(c, action, rng)
 
     def _ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
         model = self._models[action.name]
         observation = self._observer.observe_all([(c, action)])
-        k = model.draw(observation, self._candidates, rng)
-        if self._candidates == 1:
-            return list(k[0])
-        return list(k[0, np.argsort(-model.Q(observation, k)[0], kind="stable")])
+        (k,) = model.draw(observation, self._config.candidates, rng)
+        if len(k) == 1:
+            return list(k)
+        (Q,) = model.Q(observation, k[None])
+        good = Q.max() - Q <= self._config.tolerance
+        times = np.full(len(k), np.inf)
+        X_WG = hand_poses(self._world, c, action, k[good], self._arm.forward(c.q[:7]))
+        times[good] = self._arm.travel_times(X_WG, c.q[:7])
+        return list(k[np.lexsort((-Q, times))])

@@ -6,7 +6,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
-from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.motion.inverse_kinematics import VELOCITY, ArmKinematics
 from ictamp_drake.world.world import World
 
 ARM = ArmKinematics(RigidTransform())
@@ -68,6 +68,14 @@ def test_postures_that_differ_are_tried_until_one_is_accepted(down) -> None:
     seen.clear()
     assert ARM.solve(down(0.5, 0.1, 0.2), HOME, lambda q: bool(seen.append(q))) is None
     assert len(seen) == ARM.config.attempts
+
+
+def test_travel_times_are_short_where_the_hand_is_and_infinite_out_of_reach(down) -> None:
+    poses = [ARM.forward(HOME), down(0.5, 0.2, 0.2), down(0.5, -0.6, 0.2), down(1.2, 0.0, 0.1)]
+    times = ARM.travel_times(np.array([X_WG.GetAsMatrix4() for X_WG in poses]), HOME)
+    assert times[0] < ARM.config.travel_step / VELOCITY[6]
+    assert np.all(np.diff(times) > 0)
+    assert np.isinf(times[3])
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.6])

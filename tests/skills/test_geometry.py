@@ -6,12 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 
-from ictamp_drake.core.types import FloatArray
+from ictamp_drake.core.types import Action, FloatArray
 from ictamp_drake.skills.geometry import (
     R_DOWN,
     grasp_parameter,
     grasp_pose,
     grip_width,
+    hand_poses,
     held_bottom,
     placement_parameter,
     placement_pose,
@@ -116,3 +117,17 @@ def test_raising_goes_straight_up(yaw: float, rise: float) -> None:
     X = RigidTransform(RotationMatrix.MakeZRotation(yaw), [1.0, 2.0, 3.0])
     np.testing.assert_allclose(raised(X, rise).translation(), [1.0, 2.0, 3.0 + rise])
     assert yaw_of(raised(X, rise).rotation()) == pytest.approx(yaw)
+
+
+@given(k=st.lists(parameters, min_size=1, max_size=3).map(np.array), receptacle=st.sampled_from(["rack", "cyan_box"]))
+def test_many_hand_poses_at_once_are_those_of_each_k(world: World, k: FloatArray, receptacle: str) -> None:
+    c = holding(world, "red_box", drop=0.01)
+    X_WG = to_transform(c.poses["red_box"]) @ RigidTransform(R_DOWN, [0.003, 0.0, 0.02])
+    X_GB = held_bottom(world, c, "red_box", X_WG)
+    put = hand_poses(world, c, Action("place", ("red_box", receptacle)), k, X_WG)
+    grasped = hand_poses(world, c, Action("pick", ("blue_box", "table")), k, X_WG)
+    for number, each in enumerate(k):
+        alone = placement_pose(world, c, receptacle, X_GB, each).GetAsMatrix4()
+        np.testing.assert_allclose(put[number], alone, atol=1e-12)
+        alone = grasp_pose(world, c, "blue_box", each).GetAsMatrix4()
+        np.testing.assert_allclose(grasped[number], alone, atol=1e-12)

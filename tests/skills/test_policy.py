@@ -11,8 +11,11 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.learning.models import load_skill
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
 from ictamp_drake.world.observation import Observer
+from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
 from tests.skills.rig import pick, place, rig
@@ -29,6 +32,11 @@ def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return untrained(tmp_path_factory.mktemp("checkpoints"))
 
 
+@pytest.fixture(scope="module")
+def arm(world: World) -> ArmKinematics:
+    return ArmKinematics(to_transform(world.spec.arm.X_WB))
+
+
 def situations(world: World) -> list[tuple[Configuration, Action]]:
     c, held = world.initial_configuration(), holding(world, "yellow_box")
     return [
@@ -39,12 +47,14 @@ def situations(world: World) -> list[tuple[Configuration, Action]]:
 
 
 @pytest.mark.parametrize("candidates", [1, 16])
-def test_k_is_four_finite_numbers_that_the_seed_decides(world: World, checkpoints: Path, candidates: int) -> None:
-    sampler = PolicyConfig(checkpoints, candidates).create(world)
+def test_k_is_four_finite_numbers_that_the_seed_decides(
+    world: World, arm: ArmKinematics, checkpoints: Path, candidates: int
+) -> None:
+    sampler = PolicyConfig(checkpoints, candidates).create(world, arm)
     for c, action in situations(world):
         rng, again = np.random.default_rng(0), np.random.default_rng(0)
         first = [next(sampler.draws(c, action, rng)) for _ in range(3)]
-        other = PolicyConfig(checkpoints, candidates).create(world)
+        other = PolicyConfig(checkpoints, candidates).create(world, arm)
         second = [next(other.draws(c, action, again)) for _ in range(3)]
         np.testing.assert_array_equal(first, second)
         assert np.shape(first) == (3, 4)
@@ -53,15 +63,22 @@ def test_k_is_four_finite_numbers_that_the_seed_decides(world: World, checkpoint
         assert not np.isclose(first[0], first[1]).any()
 
 
-def test_the_best_of_the_candidates_is_taken(world: World, checkpoints: Path) -> None:
-    sampler = PolicyConfig(checkpoints, 16).create(world)
+@pytest.mark.parametrize("tolerance", [0.0, 0.01, 1.0])
+def test_of_the_best_candidates_those_that_are_near_come_first(
+    world: World, arm: ArmKinematics, checkpoints: Path, tolerance: float
+) -> None:
+    sampler = PolicyConfig(checkpoints, 16, tolerance).create(world, arm)
     for c, action in situations(world):
         model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
         candidates = model.draw(observation, 16, np.random.default_rng(5))
         Q = model.Q(observation, candidates)[0]
-        ranked = list(islice(sampler.draws(c, action, np.random.default_rng(5)), 16))
-        np.testing.assert_array_equal(ranked[0], candidates[0, Q.argmax()])
-        np.testing.assert_array_equal(ranked, candidates[0, np.argsort(-Q)])
+        times = arm.travel_times(hand_poses(world, c, action, candidates[0], arm.forward(c.q[:7])), c.q[:7])
+        good = np.flatnonzero(Q.max() - Q <= tolerance)
+        ranked = np.array(list(islice(sampler.draws(c, action, np.random.default_rng(5)), 16)))
+        np.testing.assert_array_equal(ranked[0], candidates[0, good[times[good].argmin()]])
+        rest = [number for number in np.argsort(-Q) if number not in good]
+        np.testing.assert_array_equal(ranked[len(good) :], candidates[0, rest])
+        assert (len(good) == 1) == (tolerance == 0.0)
 
 
 class Noted(PolicySampler):
@@ -95,16 +112,18 @@ def test_an_attempt_tries_the_candidates_before_it_asks_for_more(
         np.testing.assert_array_equal(attempt.k, next(islice(ranked, draws - 1, None)))
 
 
-def test_one_candidate_is_the_policys_plain_draw(world: World, checkpoints: Path) -> None:
+def test_one_candidate_is_the_policys_plain_draw(world: World, arm: ArmKinematics, checkpoints: Path) -> None:
     c, action = situations(world)[0]
     observation = Observer(world.spec).observe_all([(c, action)])
     draw = load_skill(checkpoints, "pick").draw(observation, 1, np.random.default_rng(2))[0, 0]
-    sampler = PolicyConfig(checkpoints, 1).create(world)
+    sampler = PolicyConfig(checkpoints, 1).create(world, arm)
     np.testing.assert_array_equal(next(sampler.draws(c, action, np.random.default_rng(2))), draw)
 
 
-def test_mistakes_are_answered_with_a_sentence(world: World, tmp_path: Path) -> None:
+def test_mistakes_are_answered_with_a_sentence(world: World, arm: ArmKinematics, tmp_path: Path) -> None:
     with pytest.raises(IctampError, match=r"pick_policy.safetensors: there is no such checkpoint"):
-        PolicyConfig(tmp_path).create(world)
+        PolicyConfig(tmp_path).create(world, arm)
     with pytest.raises(IctampError, match=r"samplers.policy.candidates is 0, but must be between 1 and 4096"):
         PolicyConfig(candidates=0)
+    with pytest.raises(IctampError, match=r"samplers.policy.tolerance is -0.1, but must be between 0 and 1"):
+        PolicyConfig(tolerance=-0.1)
