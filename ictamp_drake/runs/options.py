@@ -105,8 +105,8 @@ class Method:
     time_limit: float = 60.0
     max_steps: int | None = None
     seed: int = 0
-    sampler: Annotated[str, one_of(choices(Samplers))] = "optimisation"
-    estimator: Annotated[str, one_of(choices(Estimators))] = "constant"
+    sampler: Annotated[str, one_of(choices(Samplers))] = "policy"
+    estimator: Annotated[str, one_of(choices(Estimators))] = "p-score"
     generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
     planner: Search = Search()
     skills: SkillsConfig = SkillsConfig()

@@ -18,7 +18,8 @@ from tests.runs.programs import command, environment, run, timeless
 
 SHORT = ("--max-steps", "1", "--artefacts", "none", "--time-limit", "250")
 """Options with which a problem takes a second or two and is not solved."""
-LONG = ("--time-limit", "3", "--samplers.optimisation.ground", "1", "--artefacts", "none")
+NO_GRASP = ("--sampler", "optimisation", "--samplers.optimisation.ground", "1")
+LONG = ("--time-limit", "3", *NO_GRASP, "--artefacts", "none")
 """Options with which a problem is given up after three seconds, since every grasp is too high above the ground."""
 
 

@@ -79,7 +79,7 @@ def test_a_file_is_no_folder() -> None:
     ("method", "difference"),
     [
         (Method(seed=3), "--seed 3, since it was made with 0"),
-        (Method(sampler="uniform"), '--sampler "uniform", since it was made with "optimisation"'),
+        (Method(sampler="uniform"), '--sampler "uniform", since it was made with "policy"'),
         (Method(physics=PhysicsConfig(time_step=0.001)), "--physics.time-step 0.001, since it was made with"),
         (Method(planner=Search(rule=ProportionalConfig(W=2.5))), "--planner.rule.W 2.5, since it was made with"),
     ],
@@ -104,7 +104,7 @@ def test_an_option_that_the_old_run_did_not_know_is_named() -> None:
     config = yaml.safe_load(Path("out/config.yaml").read_text())
     del config["options"]["sampler"]
     Path("out/config.yaml").write_text(yaml.safe_dump(config))
-    with pytest.raises(IctampError, match='--sampler "optimisation", since it was made with null'):
+    with pytest.raises(IctampError, match='--sampler "policy", since it was made with null'):
         start(out=Path("out"))
 
 
