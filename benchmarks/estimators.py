@@ -1,15 +1,13 @@
-"""Computing time of the estimators: `python benchmarks/estimators.py --P FOLDER`, one thread, its processor time.
+"""Computing time of the estimators: `python benchmarks/estimators.py`, one thread, its processor time.
 
 Scores 64 options of the search at once: every applicable action in the first configurations of packing problems.
 """
 
 import time
 from itertools import islice
-from pathlib import Path
 
 import numpy as np
 import torch
-import tyro
 from rich.console import Console
 from rich.table import Table
 
@@ -24,6 +22,9 @@ from ictamp_drake.world.world import World
 
 OPTIONS, CALLS = 64, 200
 ESTIMATORS = {
+    "P": PScoreConfig(),
+    "P, mean of 16 draws": PScoreConfig(draws=16),
+    "P, mean of 4 draws": PScoreConfig(draws=4),
     "Q, one draw": QValueConfig(),
     "Q, mean of 16 draws": QValueConfig(draws=16),
     "Q along plans of one action, best of 16": QValueConfig(draws=16, best=True, horizon="plan"),
@@ -44,16 +45,12 @@ def options(world: World) -> list[tuple[Configuration, Skeleton]]:
     return found[:OPTIONS]
 
 
-def main(P: Path | None = None) -> None:
-    """Time and print.
-
-    Args:
-        P: folder of the trained estimators, by default that of the package.
-    """
+def main() -> None:
+    """Time and print."""
     torch.set_num_threads(1)
     table = Table("estimator", "median [ms]", "90 % [ms]", title=f"{OPTIONS} options in one call")
     worlds = [World(load_scene(path)) for path in islice(problem_files("hard", ":"), 4)]
-    for name, config in {"P": PScoreConfig(P), **ESTIMATORS}.items():
+    for name, config in ESTIMATORS.items():
         samples = []
         for world in worlds:
             estimator, asked = config.create(world), options(world)
@@ -67,4 +64,4 @@ def main(P: Path | None = None) -> None:
 
 
 if __name__ == "__main__":
-    tyro.cli(main)
+    main()

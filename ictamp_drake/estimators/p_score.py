@@ -33,7 +33,7 @@ class PScoreConfig:
     """
 
     checkpoints: Path | None = None
-    draws: int = 16
+    draws: int = 64
 
     def __post_init__(self) -> None:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)

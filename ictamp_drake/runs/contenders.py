@@ -78,7 +78,7 @@ class KnownRates:
 
 
 def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, Contender]:
-    """P, STAP's Q of a single draw and other ways of reading the critics, P over more k, and the base rate, by name.
+    """P, STAP's Q of a single draw and other ways of reading the critics, P over fewer k, and the base rate, by name.
 
     Args:
         checkpoints: folder of all networks.
@@ -94,5 +94,5 @@ def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict
     P.check()
     for config in (Q, *ahead.values()):
         config.check()
-    several = {"Q of 1 draw": Q, "Q mean of 32": replace(Q, draws=32), "Q best of 16": best}
-    return {"P": P, **several, **ahead, "P of 32 draws": replace(P, draws=32), "base rate": rates}
+    several = {"Q of 1 draw": Q, "Q mean of 64": replace(Q, draws=64), "Q best of 16": best}
+    return {"P": P, **several, **ahead, "P of 16 draws": replace(P, draws=16), "base rate": rates}

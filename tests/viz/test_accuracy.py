@@ -16,7 +16,7 @@ from tests.learning.counted import case
 def accuracy() -> Accuracy:
     rng = np.random.default_rng(0)
     cases = [case(number // 2, (rng.random(20) < number / 24).tolist()) for number in range(24)]
-    names = ("P", "Q of 1 draw", "Q mean of 32")
+    names = ("P", "Q of 1 draw", "Q mean of 64")
     return compared("pick", cases, {**{name: rng.random(24) for name in names}, "base rate": np.full(24, 0.5)})
 
 
@@ -28,7 +28,7 @@ def test_figure_3_shows_every_case_in_ascending_order(accuracy: Accuracy) -> Non
     assert "P closer than Q of 1 draw" in axes.get_title()
     legend = axes.get_legend()
     assert legend is not None
-    assert [text.get_text() for text in legend.get_texts()] == ["Q of 1 draw", "Q mean of 32", "base rate"]
+    assert [text.get_text() for text in legend.get_texts()] == ["Q of 1 draw", "Q mean of 64", "base rate"]
 
 
 def test_reliability_has_a_panel_an_estimator(accuracy: Accuracy) -> None:
