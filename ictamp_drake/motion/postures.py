@@ -27,11 +27,11 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
         last: angles of the last joint, shape (n,) [rad].
 
     Returns:
-        Shape (8, n, 7), angles but the last in [-π, π) [rad]; nan for a posture that there is not.
+        Shape (8, n, 7), angles but the last in [-π, π) [rad]; nan where there is none.
     """
     count = len(last)
     last, bend = np.tile(last, 2), np.repeat([1.0, -1.0], count)
-    X_B6 = np.tile(X_BG, (2 if X_BG.ndim == 3 else 1, 1, 1)) @ inverse(_link(7, last) @ X_7G)
+    X_B6 = np.tile(np.broadcast_to(X_BG, (count, 4, 4)), (2, 1, 1)) @ inverse(_link(7, last) @ X_7G)
     a, b, c = np.einsum("nji,nj->in", X_B6[:, :3, :3], _P_BS - X_B6[:, :3, 3])  # from W to S in link 6's frame
     found = []
     with np.errstate(invalid="ignore", divide="ignore"):  # what can't be is nan
