@@ -105,13 +105,13 @@ def main() -> None:
     """Run, judge, write."""
     options = tyro.cli(Options, description=__doc__)
     methods = options.methods or tuple(METHODS[options.regime])
+    origin = provenance()
     rows = [row for level in options.levels for method in methods for row in run(options.regime, method, level)]
     out = OUT / options.regime
     out.mkdir(parents=True, exist_ok=True)
     (out / "results.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
     figures = table(pd.DataFrame(rows)).round(2).reset_index()
     lines = markdown.table(figures.columns, figures.to_numpy())
-    origin = provenance()
     about = f"Commit {origin['commit']}, drake {origin['versions']['drake']}, {origin['host']['cores']} cores."
     heading = f"# Constrained packing, regime {options.regime}\n\nMedians over a level's problems, by "
     text = f"{heading}`python benchmarks/packing.py --regime {options.regime}`.\n\n{about}\n\n"

@@ -107,7 +107,7 @@ class WalkConfig:
     def learned(self, source: str) -> PolicyConfig:
         """How a source draws from a trained policy."""
         folder = self.reference if source == "reference" else self.checkpoints
-        return PolicyConfig(folder, _CANDIDATES if source in ("best", "product") else 1, tolerance=0.0)
+        return PolicyConfig(folder, _CANDIDATES if source in ("best", "product") else 1, haste=0.0)
 
 
 _LEARNED = ("policy", "best", "product", "reference")

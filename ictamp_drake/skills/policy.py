@@ -18,6 +18,9 @@ from ictamp_drake.world.world import World
 if TYPE_CHECKING:
     from ictamp_drake.learning.models import SkillModel
 
+_OUT_OF_REACH = 60.0
+"""Time that a hand pose without a posture of the arm counts as [s]."""
+
 
 @dataclass(frozen=True)
 class PolicyConfig:
@@ -25,19 +28,19 @@ class PolicyConfig:
 
     Attributes:
         checkpoints: folder of the trained policies, by default that of the package.
-        candidates: drawn for one attempt, which tries them in the order of their Q until motion planning refuses none
+        candidates: drawn for one attempt, which tries the best first until motion planning refuses none
             (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
-        tolerance: candidates whose Q is less than the greatest by no more than this count as equally good, and those
-            that the arm is sooner at come first.
+        haste: what it is worth, in probability of success, that the arm is there a second sooner [1/s]; with 0, Q
+            alone says which candidate is the best.
     """
 
     checkpoints: Path | None = None
     candidates: int = 64
-    tolerance: float = 0.02
+    haste: float = 0.05
 
     def __post_init__(self) -> None:
         check_range("samplers.policy.candidates", self.candidates, 1, 4096)
-        check_range("samplers.policy.tolerance", self.tolerance, 0, 1)
+        check_range("samplers.policy.haste", self.haste, 0, 1)
 
     def create(self, world: World, arm: ArmKinematics) -> "PolicySampler":
         """The sampler for one scene.
@@ -57,7 +60,7 @@ class PolicyConfig:
 
 
 class PolicySampler:
-    """Draws k from π(k | matrix); of several, those with the best Q(matrix, k) that are near come first."""
+    """Draws k from π(k | matrix); of several, those with a great Q(matrix, k) that are near come first."""
 
     def __init__(
         self, world: World, arm: ArmKinematics, models: Mapping[str, "SkillModel"], config: PolicyConfig
@@ -80,8 +83,6 @@ class PolicySampler:
         if len(k) == 1:
             return list(k)
         (Q,) = model.Q(observation, k[None])
-        good = Q.max() - Q <= self._config.tolerance
-        times = np.full(len(k), np.inf)
-        X_WG = hand_poses(self._world, c, action, k[good], self._arm.forward(c.q[:7]))
-        times[good] = self._arm.travel_times(X_WG, c.q[:7])
-        return list(k[np.lexsort((-Q, times))])
+        X_WG = hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
+        times = np.minimum(self._arm.travel_times(X_WG, c.q[:7]), _OUT_OF_REACH)
+        return list(k[np.argsort(self._config.haste * times - Q, kind="stable")])
