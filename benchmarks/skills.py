@@ -1,4 +1,4 @@
-"""How often one parameter k succeeds, and what it costs: `python benchmarks/skills.py`, about an hour on 2 cores.
+"""How often one parameter k succeeds, and what it costs: `python benchmarks/skills.py`, half an hour on 2 cores.
 
 Walks through held-out training scenes (under a seed of their own) and attempts every action that it meets with k from
 each source. Cases that the optimisation-based sampler can do are those in which one of its attempts succeeded. Writes
@@ -142,6 +142,7 @@ def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]
 def main() -> None:
     """Collect, count, time, write."""
     options = tyro.cli(Options, description=__doc__)
+    origin = provenance()
     collect(options)
     attempts = opened(options.out).to_table(columns=[*CASE, "sampler", "failure"]).to_pandas()
     table = pd.DataFrame(rates(attempts))
@@ -150,7 +151,6 @@ def main() -> None:
     cost = milliseconds(options, list({tuple(row[name] for name in CASE): row for row in rows}.values())[:TIMED])
     named = {(skill, SOURCES[name]): f"{value:.2f}" for (skill, name), value in cost.items()}
     table["ms"] = [named.get(key, "") for key in zip(table["skill"], table["k from"], strict=True)]
-    origin = provenance()
     about = f"Commit {origin['commit']}, drake {origin['versions']['drake']}, scenes {options.scenes} of seed {SEED}."
     lines = markdown.table(table.columns, table.to_numpy())
     text = "\n".join(["# One parameter k", "", f"By `python benchmarks/skills.py`. {about}", "", *lines, ""])
