@@ -7,6 +7,7 @@ a table and the attempts to benchmarks/skills/; interrupted, the same command go
 python benchmarks/skills.py --reference runs/stap --scenes 0:60
 """
 
+import shlex
 import subprocess
 import sys
 import time
@@ -153,7 +154,8 @@ def main() -> None:
     table["ms"] = [named.get(key, "") for key in zip(table["skill"], table["k from"], strict=True)]
     about = f"Commit {origin['commit']}, drake {origin['versions']['drake']}, scenes {options.scenes} of seed {SEED}."
     lines = markdown.table(table.columns, table.to_numpy())
-    text = "\n".join(["# One parameter k", "", f"By `python benchmarks/skills.py`. {about}", "", *lines, ""])
+    typed = shlex.join(["python", "benchmarks/skills.py", *sys.argv[1:]])
+    text = "\n".join(["# One parameter k", "", f"By `{typed}`. {about}", "", *lines, ""])
     (options.out / "table.md").write_text(text)
     print(text)
 
