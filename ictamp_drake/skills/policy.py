@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
@@ -83,6 +83,10 @@ class PolicySampler:
         if len(k) == 1:
             return list(k)
         (Q,) = model.Q(observation, k[None])
+        cost = self._config.haste * self._times(c, action, k) if self._config.haste else 0.0
+        return list(k[np.argsort(cost - Q, kind="stable")])
+
+    def _times(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
+        """How long the arm needs at least to the hand's pose at each k, shape (n, 4) -> (n,) [s]."""
         X_WG = hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
-        times = np.minimum(self._arm.travel_times(X_WG, c.q[:7]), _OUT_OF_REACH)
-        return list(k[np.argsort(self._config.haste * times - Q, kind="stable")])
+        return np.minimum(self._arm.travel_times(X_WG, c.q[:7]), _OUT_OF_REACH)
