@@ -1,6 +1,6 @@
 """How close P and Q are to counted success in scenes that nothing was learned from (paper, Figure 3).
 
-`python -m ictamp_drake.experiments.estimator_accuracy --ground-truth data/accuracy`
+`python -m ictamp_drake.experiments.estimator_accuracy --ground-truth data/ground_truth`
 """
 
 import shlex
