@@ -9,18 +9,19 @@ back and enter that cell once more with another k.
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from itertools import combinations, islice
+from itertools import accumulate, combinations, islice
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Skeleton, State
+from ictamp_drake.core.protocols import Estimator, PlanParameters
+from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Parameter, Skeleton, State
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import Budget, Planner, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.tree import Tree
 
 Cell = tuple[int, int]
@@ -83,11 +84,18 @@ class ToyWorld:
             yield Skeleton(tuple(abstraction(ToyConfiguration(cell, 0.0)) for cell in cells), actions)
 
     def attempt(
-        self, c: ToyConfiguration, action: Action, promised: State, rng: np.random.Generator
+        self,
+        c: ToyConfiguration,
+        action: Action,
+        promised: State,
+        rng: np.random.Generator,
+        k: Parameter | None = None,
     ) -> Attempt[ToyConfiguration]:
         """Run one step from c; draws exactly two random numbers."""
         offset, luck = (float(value) for value in rng.random(2))
-        if self.offsets:
+        if k is not None:
+            offset = float(k[0])
+        elif self.offsets:
             offset = self.offsets[int(offset * len(self.offsets))]
         cell = _after(c.cell, action)
         seconds = {"physics": self.seconds}
@@ -145,6 +153,31 @@ class TableEstimator:
 
 
 @dataclass
+class ToyOptimizer:
+    """Knows how wide the doors are, but neither walls nor luck, and likes later plans better."""
+
+    world: ToyWorld
+    asked: list[int] = field(default_factory=list)
+
+    def estimate(self, options: Sequence[tuple[ToyConfiguration, Skeleton]]) -> FloatArray:
+        return np.ones(len(options))
+
+    def optimised(
+        self, options: Sequence[tuple[ToyConfiguration, Skeleton]], rng: np.random.Generator
+    ) -> list[PlanParameters]:
+        self.asked.append(len(options))
+        return [
+            PlanParameters(value, np.array([[offset] for offset in self._offsets(plan)]) * rng.random())
+            for value, (_, plan) in enumerate(options)
+        ]
+
+    def _offsets(self, plan: Skeleton) -> list[float]:
+        """The widest offset with which the next cell's door lets one in, for each cell entered."""
+        cells = list(accumulate((MOVES[action] for action in plan.actions), lambda a, b: (a[0] + b[0], a[1] + b[1])))
+        return [self.world.doors.get(cell, 1.0) for cell in [*cells[1:], cells[-1]]]
+
+
+@dataclass
 class TickingClock:
     """A clock that goes on by a fixed time whenever it is read."""
 
@@ -162,7 +195,7 @@ def toy_planner(
     seed: int = 0,
     steps: int | None = 200,
     seconds: float = 60.0,
-    rule: ProportionalConfig | None = None,
+    rule: RuleConfig | None = None,
     max_expansions: int = 1000,
     estimator: Estimator[ToyConfiguration] | None = None,
     verify: Callable[[tuple[Attempt[ToyConfiguration], ...]], bool] = lambda _: True,

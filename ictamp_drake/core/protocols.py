@@ -1,7 +1,7 @@
 """The plug-in points. Each is one or two methods; one file per implementation, one contract test for all."""
 
 from collections.abc import Hashable, Iterator, Sequence
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -36,8 +36,10 @@ class Abstraction(Protocol[C_contra]):
 class SkillRunner(Protocol[C]):
     """ψ, all skills behind one door: the planner says which action, the runner tries it once."""
 
-    def attempt(self, c: C, action: Action, promised: State, rng: np.random.Generator) -> Attempt[C]:
-        """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised`."""
+    def attempt(
+        self, c: C, action: Action, promised: State, rng: np.random.Generator, k: Parameter | None = None
+    ) -> Attempt[C]:
+        """Run ψ_a once from c, with k or one that is drawn; the attempt succeeds when H(c') equals `promised`."""
 
 
 class Estimator(Protocol[C_contra]):
@@ -49,6 +51,26 @@ class Estimator(Protocol[C_contra]):
         A plan starts in H(c) and has an action at least. Those after the first are of interest to estimators that
         look ahead.
         """
+
+
+class PlanParameters(NamedTuple):
+    """What was found for a whole plan.
+
+    Attributes:
+        value: estimated probability that all of it succeeds.
+        k: of its actions, shape (len(plan), 4).
+    """
+
+    value: float
+    k: FloatArray
+
+
+@runtime_checkable
+class PlanOptimizer(Protocol[C_contra]):
+    """An estimator that can also say with which parameters a whole plan is the most likely to succeed."""
+
+    def optimised(self, options: Sequence[tuple[C_contra, Skeleton]], rng: np.random.Generator) -> list[PlanParameters]:
+        """The best parameters that were found for each plan from its configuration."""
 
 
 class Sampler(Protocol[C_contra]):

@@ -182,3 +182,8 @@ class Attempt(Generic[C]):
     @property
     def succeeded(self) -> bool:
         return self.failure is None
+
+    @property
+    def effort(self) -> float:
+        """Computing time of all stages together [s]."""
+        return sum(self.seconds.values())

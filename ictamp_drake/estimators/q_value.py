@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import PlanParameters
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.estimators.imagination import Imagination, refined
+from ictamp_drake.estimators.imagination import Imagination, Rollouts, refined
 from ictamp_drake.estimators.learned import Option
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.scenes.checks import check_range
@@ -83,8 +84,20 @@ class QValue:
         """Q of each option, or the product of Q along its plan, shape (n,)."""
         if not options:
             return np.zeros(0)
-        config, rng = self._config, generator(Stream.EVALUATION, self._seed)
-        rollouts = self._imagination.run(options, config.draws, rng)
-        for _ in range(config.refinements):
-            rollouts = self._imagination.run(options, config.draws, rng, refined(rollouts, rng))
-        return np.asarray(rollouts.product.max(axis=1) if config.best else rollouts.product.mean(axis=1))
+        product = self._rollouts(options, generator(Stream.EVALUATION, self._seed)).product
+        return np.asarray(product.max(axis=1) if self._config.best else product.mean(axis=1))
+
+    def optimised(self, options: Sequence[Option], rng: np.random.Generator) -> list[PlanParameters]:
+        """The rollout of each plan that has the greatest product of Q."""
+        rollouts = self._rollouts(options, rng)
+        best = rollouts.product.argmax(axis=1)
+        return [
+            PlanParameters(float(rollouts.product[number, run]), rollouts.k[number, run, : len(plan)])
+            for number, (run, (_, plan)) in enumerate(zip(best, options, strict=True))
+        ]
+
+    def _rollouts(self, options: Sequence[Option], rng: np.random.Generator) -> Rollouts:
+        rollouts = self._imagination.run(options, self._config.draws, rng)
+        for _ in range(self._config.refinements):
+            rollouts = self._imagination.run(options, self._config.draws, rng, refined(rollouts, rng))
+        return rollouts

@@ -4,7 +4,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Generic, Protocol
+from typing import Generic
 
 import numpy as np
 
@@ -15,18 +15,11 @@ from ictamp_drake.core.types import Attempt, C
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import PlanningResult, StopReason
-from ictamp_drake.planning.rule import OpenPlan, RunStep, SelectionRule
+from ictamp_drake.planning.rule import OpenPlan, RuleConfig, RunStep, SelectionRule
 from ictamp_drake.planning.tree import Node, Tree
 
 Verify = Callable[[tuple[Attempt[C], ...]], bool]
 """Judge of a finished plan: the attempts from c_0 to the goal, in order -> does the whole plan hold?"""
-
-
-class RuleConfig(Protocol):
-    """Configuration of a selection rule."""
-
-    def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
-        """The rule for one search."""
 
 
 @dataclass(frozen=True)
@@ -153,11 +146,11 @@ class Planner(Generic[C]):
 
     def _open_plan(self) -> Node[C]:
         """Algorithm 3; returns the root, which is at the goal already when the new plan is empty."""
-        before = self.generator.expanded
+        before, start = self.generator.expanded, self.clock()
         with self._stopwatch.stage("plan_generator"):
             plan = self.generator.next_plan(self.config.max_expansions)
         self.tree.exhausted = self.generator.exhausted
-        opening = self.tree.record_opening(plan, self.generator.expanded - before)
+        opening = self.tree.record_opening(plan, self.generator.expanded - before, self.clock() - start)
         self._tell(PlanOpened(plan, opening.expanded, self.tree.exhausted))
         return self.tree.root
 
@@ -165,7 +158,7 @@ class Planner(Generic[C]):
         """Algorithm 2, lines 4-9; returns the node reached."""
         node, plan = self.tree.nodes[option.node], self.tree.plans[option.plan]
         self._tell(StepStarted(node, plan.actions[0]))
-        attempt = self.skills.attempt(node.c, plan.actions[0], plan.states[1], self.rng)
+        attempt = self.skills.attempt(node.c, plan.actions[0], plan.states[1], self.rng, option.k)
         step = self.tree.record_step(option.node, option.plan, attempt)
         child = None if step.child is None else self.tree.nodes[step.child]
         self._tell(StepDone(node, attempt, child))

@@ -10,7 +10,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.scores import draw, latest_plan_cost, node_weight, score_high, score_low
+from ictamp_drake.planning.scores import draw, draw_node, latest_plan_cost, score_high, score_low
 from ictamp_drake.planning.tree import Step, Tree
 
 
@@ -66,20 +66,16 @@ class Proportional(Generic[C]):
         if not isinstance(last, Step) or last.child is None or tree.is_finished(tree.nodes[last.child]):
             return None
         (rest,) = tree.nodes[last.child].cnt
-        return self._draw_node(tree, rest, rng) if self._config.redraw else RunStep(last.child, rest)
+        return draw_node(tree, rest, rng) if self._config.redraw else RunStep(last.child, rest)
 
     def _draw_option(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        runs = [self._draw_node(tree, plan, rng) for plan in tree.open_plans]
+        runs = [draw_node(tree, plan, rng) for plan in tree.open_plans]
         options: list[Option] = [*runs]
         scores = self._scores_low(tree, runs)
         if not tree.exhausted:
             options.append(OpenPlan())
             scores.append(score_high(latest_plan_cost(tree.openings), self._config.W))
         return options[draw(scores, rng)]
-
-    def _draw_node(self, tree: Tree[C], plan: int, rng: np.random.Generator) -> RunStep:
-        holders = tree.holders[plan]
-        return RunStep(holders[draw([node_weight(tree.nodes[node].cnt[plan]) for node in holders], rng)], plan)
 
     def _scores_low(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         estimates = self._estimates(tree, runs)
@@ -89,6 +85,6 @@ class Proportional(Generic[C]):
     def _estimates(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         missing = [run for run in runs if run not in self._P]
         if missing:
-            values = self._estimator.estimate([(tree.nodes[node].c, tree.plans[plan]) for node, plan in missing])
+            values = self._estimator.estimate([(tree.nodes[node].c, tree.plans[plan]) for node, plan, _ in missing])
             self._P.update(zip(missing, values.tolist(), strict=True))
         return [self._P[run] for run in runs]

@@ -5,7 +5,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ictamp_drake.core.types import C
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import C, Parameter
 from ictamp_drake.planning.tree import Tree
 
 
@@ -15,10 +16,17 @@ class OpenPlan:
 
 
 class RunStep(NamedTuple):
-    """Attempt the first action of a plan from a node that holds it; both are numbers in the tree."""
+    """Attempt the first action of a plan from a node that holds it.
+
+    Attributes:
+        node: its number in the tree.
+        plan: its number in the tree.
+        k: the parameter to attempt it with, None to draw it.
+    """
 
     node: int
     plan: int
+    k: Parameter | None = None
 
 
 Option = OpenPlan | RunStep
@@ -33,3 +41,10 @@ class SelectionRule(Protocol[C]):
         Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
         plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
         """
+
+
+class RuleConfig(Protocol):
+    """Configuration of a selection rule."""
+
+    def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
+        """The rule for one search."""

@@ -6,7 +6,9 @@ from itertools import accumulate
 
 import numpy as np
 
-from ictamp_drake.planning.tree import Opening
+from ictamp_drake.core.types import C
+from ictamp_drake.planning.rule import RunStep
+from ictamp_drake.planning.tree import Opening, Tree
 
 
 def latest_plan_cost(openings: Iterable[Opening]) -> int:
@@ -41,3 +43,9 @@ def draw(weights: Sequence[float], rng: np.random.Generator) -> int:
     """Index drawn in proportion to the weights, which are non-negative; at least one is given."""
     cumulative = list(accumulate(weights))
     return bisect(cumulative, rng.random() * cumulative[-1], hi=len(cumulative) - 1)
+
+
+def draw_node(tree: Tree[C], plan: int, rng: np.random.Generator) -> RunStep:
+    """The plan with a node drawn among those that hold it, in proportion to 1 / (1 + cnt) (paper, Heuristics)."""
+    holders = tree.holders[plan]
+    return RunStep(holders[draw([node_weight(tree.nodes[node].cnt[plan]) for node in holders], rng)], plan)

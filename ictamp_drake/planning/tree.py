@@ -46,10 +46,12 @@ class Opening:
     Attributes:
         plan: number of the new plan, None when the call ended without one.
         expanded: nodes that the generator expanded in this call.
+        seconds: computing time of the call [s].
     """
 
     plan: int | None
     expanded: int
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -103,9 +105,19 @@ class Tree(Generic[C]):
         return [entry for entry in self.log if isinstance(entry, Step)]
 
     @property
+    def opened(self) -> list[int]:
+        """Numbers of the plans that the root was given, in their order."""
+        return [opening.plan for opening in self.openings if opening.plan is not None]
+
+    @property
     def open_plans(self) -> list[int]:
         """Numbers of the plans that have a first action to attempt."""
         return [number for number, plan in enumerate(self.plans) if plan.actions]
+
+    @property
+    def runs(self) -> list[tuple[int, int]]:
+        """Every node with every plan that it could attempt, by their numbers, plan after plan."""
+        return [(node, plan) for plan in self.open_plans for node in self.holders[plan]]
 
     @property
     def solution(self) -> int | None:
@@ -116,7 +128,7 @@ class Tree(Generic[C]):
         """True when the node holds an empty plan, that is, when a plan was carried out up to here."""
         return any(not self.plans[plan].actions for plan in node.cnt)
 
-    def record_opening(self, plan: Skeleton | None, expanded: int) -> Opening:
+    def record_opening(self, plan: Skeleton | None, expanded: int, seconds: float = 0.0) -> Opening:
         """Give the root a new plan, or note that a call of the generator brought none.
 
         Raises:
@@ -124,7 +136,7 @@ class Tree(Generic[C]):
         """
         if plan is not None and plan.states[0] != self.root.s:
             raise ValueError("a high-level plan must start in the symbolic state of the root")
-        opening = Opening(None if plan is None else self._hold(self.root, plan), expanded)
+        opening = Opening(None if plan is None else self._hold(self.root, plan), expanded, seconds)
         self.log.append(opening)
         return opening
 

@@ -5,7 +5,7 @@ A choice between implementations is a dataclass with one field for each; its fie
 
 import dataclasses
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,8 +15,13 @@ from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.planning.round_robin import RoundRobinConfig
+from ictamp_drake.planning.stap import StapConfig
+from ictamp_drake.planning.uniform import UniformAllocationConfig
 from ictamp_drake.scenes.checks import check_choice, check_range
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.policy import PolicyConfig
@@ -55,16 +60,15 @@ class Generators:
 
 
 @dataclass(frozen=True)
-class Search:
-    """The tree search.
+class Planners:
+    """Rules that choose the next computational action."""
 
-    Attributes:
-        max_expansions: nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
-        rule: how the next computational action is chosen.
-    """
-
-    max_expansions: int = PlannerConfig.max_expansions
-    rule: ProportionalConfig = ProportionalConfig()
+    completion_tree: ProportionalConfig = ProportionalConfig()
+    els: ElsConfig = ElsConfig()
+    round_robin: RoundRobinConfig = RoundRobinConfig()
+    uniform: UniformAllocationConfig = UniformAllocationConfig()
+    stap: StapConfig = StapConfig()
+    adaptive: AdaptiveConfig = AdaptiveConfig()
 
 
 def choices(configs: type) -> tuple[str, ...]:
@@ -93,13 +97,16 @@ class Method:
         sampler: where skill parameters k come from.
         estimator: where P, the estimated probability that a step succeeds, comes from.
         generator: in which order high-level plans come.
-        planner: constants of the tree search.
+        planner: which computational action comes next; completion-tree is the paper's rule. els (unless weighted),
+            round-robin and uniform ask no estimator, and stap asks STAP's product of Q along the plan.
+        max_expansions: nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
         skills: constants of the skills and of motion planning.
         physics: how the scene is simulated.
         predicates: tolerances of H.
         samplers: constants of each sampler.
         estimators: constants of each estimator.
         generators: constants of each plan generator.
+        planners: constants of each planner.
     """
 
     time_limit: float = 60.0
@@ -108,23 +115,26 @@ class Method:
     sampler: Annotated[str, one_of(choices(Samplers))] = "policy"
     estimator: Annotated[str, one_of(choices(Estimators))] = "p-score"
     generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
-    planner: Search = Search()
+    planner: Annotated[str, one_of(choices(Planners))] = "completion-tree"
+    max_expansions: int = PlannerConfig.max_expansions
     skills: SkillsConfig = SkillsConfig()
     physics: PhysicsConfig = PhysicsConfig()
     predicates: PredicateConfig = PredicateConfig()
     samplers: Samplers = Samplers()
     estimators: Estimators = Estimators()
     generators: Generators = Generators()
+    planners: Planners = Planners()
 
     def __post_init__(self) -> None:
         check_range("time-limit", self.time_limit, 0, 1e6, " s")
         check_range("max-steps", self.max_steps or 0, 0, 1e9)
         check_range("seed", self.seed, 0, 2**63 - 1)
-        for field in ("sampler", "estimator", "generator"):  # both ways of writing a name
-            object.__setattr__(self, field, getattr(self, field).replace("_", "-"))
-        check_choice("sampler", self.sampler, choices(Samplers))
-        check_choice("estimator", self.estimator, choices(Estimators))
-        check_choice("generator", self.generator, choices(Generators))
+        check_range("max-expansions", self.max_expansions, 1, 1e9)
+        families = {"sampler": Samplers, "estimator": Estimators, "generator": Generators, "planner": Planners}
+        for field, family in families.items():
+            name = getattr(self, field).replace("_", "-")  # both ways of writing a name
+            check_choice(field, name, choices(family))
+            object.__setattr__(self, field, name)
 
     def check(self) -> None:
         """Raise IctampError at once, rather than in every problem, when what was learned is not to be had."""
@@ -134,13 +144,21 @@ class Method:
     @property
     def learned(self) -> list[Any]:
         """Those of the chosen sampler and estimator that need trained networks."""
-        configs = chosen(self.samplers, self.sampler), chosen(self.estimators, self.estimator)
+        configs = chosen(self.samplers, self.sampler), self.estimator_config
         return [config for config in configs if hasattr(config, "check")]
+
+    @property
+    def estimator_config(self) -> Any:
+        """The chosen estimator, or what stap needs in its place."""
+        if self.planner == "stap":
+            stap, critics = self.planners.stap, self.estimators.q_value
+            return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
+        return chosen(self.estimators, self.estimator)
 
     def planner_config(self, elapsed: float) -> PlannerConfig:
         """The planner's own configuration when `elapsed` [s] of the time limit are spent."""
         budget = Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
-        return PlannerConfig(budget, self.planner.max_expansions, self.planner.rule)
+        return PlannerConfig(budget, self.max_expansions, chosen(self.planners, self.planner))
 
 
 @dataclass(frozen=True)

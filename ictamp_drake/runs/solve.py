@@ -96,7 +96,7 @@ def solve(
         abstraction=task.abstraction,
         generator=plans.create(task.domain, task.abstraction(task.c), task.goal),
         skills=skills,
-        estimator=chosen(method.estimators, method.estimator).create(task.world, skills),
+        estimator=method.estimator_config.create(task.world, skills),
         verify=verifier,
         rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
         listeners=listeners,

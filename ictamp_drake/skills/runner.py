@@ -1,6 +1,6 @@
 """One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -68,11 +68,25 @@ class Skills:
     skills: Mapping[str, Skill]
 
     def attempt(
-        self, c: Configuration, action: Action, promised: State, rng: np.random.Generator
+        self,
+        c: Configuration,
+        action: Action,
+        promised: State,
+        rng: np.random.Generator,
+        k: Parameter | None = None,
     ) -> Attempt[Configuration]:
-        """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised` (paper, Problem Formulation)."""
+        """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised` (paper, Problem Formulation).
+
+        Args:
+            c: configuration to start from.
+            action: a.
+            promised: the state that a promises.
+            rng: of the sampler and of motion planning.
+            k: the only parameter to try; without it the sampler draws some.
+        """
         stopwatch = Stopwatch()
-        k, plan, rejections = self._plan(c, action, rng, stopwatch)
+        drawing = self.sampler.draws(c, action, rng) if k is None else iter((k,))
+        k, plan, rejections = self._plan(c, action, drawing, rng, stopwatch)
         if isinstance(plan, Refusal):
             return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail)
         try:
@@ -86,15 +100,21 @@ class Skills:
         return Attempt(action, failure, outcome.c, k, plan, rejections, stopwatch.seconds, detail)
 
     def _plan(
-        self, c: Configuration, action: Action, rng: np.random.Generator, stopwatch: Stopwatch
+        self,
+        c: Configuration,
+        action: Action,
+        drawing: Iterator[Parameter | Failure],
+        rng: np.random.Generator,
+        stopwatch: Stopwatch,
     ) -> tuple[Parameter | None, Motion | Refusal, tuple[Failure, ...]]:
         """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
         refusals: list[Refusal] = []
         k = None
-        drawing = self.sampler.draws(c, action, rng)
         for _ in range(self.draws):
             with stopwatch.stage("sampling"):
-                drawn = next(drawing)
+                drawn = next(drawing, None)
+            if drawn is None:
+                break
             if isinstance(drawn, Failure):
                 refusals.append(Refusal(drawn, "the sampler found no parameter"))
                 break

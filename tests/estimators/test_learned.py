@@ -10,9 +10,14 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
+from ictamp_drake.estimators.imagination import Imagination
 from ictamp_drake.estimators.p_score import PScore, PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.learning.checkpoint import SKILLS
+from ictamp_drake.learning.models import load_dynamics, load_skill
+from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
 from tests.world.scenes import far_boxes, holding, scene
@@ -130,6 +135,19 @@ def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoint
     for fewer, more in pairwise(values):
         assert (more >= fewer - 1e-6).all()
     assert (values[-1] > values[0]).all()
+
+
+def test_optimised_parameters_are_those_of_the_greatest_product(world: World, checkpoints: Path) -> None:
+    asked = [*plans(world, 0)[:2], *plans(world, 2)]  # of two lengths
+    estimator = QValueConfig(checkpoints, 16, best=True, horizon="plan", refinements=2).create(world)
+    found = estimator.optimised(asked, generator(Stream.EVALUATION, world.spec.seed))
+    assert [value for value, _ in found] == estimator.estimate(asked).tolist()
+    skills, dynamics = ({each: load(checkpoints, each) for each in SKILLS} for load in (load_skill, load_dynamics))
+    imagination = Imagination(Observer(world.spec), skills, dynamics)
+    for (value, k), (c, plan) in zip(found, asked, strict=True):
+        assert k.shape == (len(plan), 4)
+        again = imagination.run([(c, plan)], 1, np.random.default_rng(0), k[None, None])
+        assert again.product.item() == pytest.approx(value, rel=1e-4)
 
 
 def test_the_plan_needs_dynamics_and_the_step_does_not(world: World, tmp_path: Path) -> None:

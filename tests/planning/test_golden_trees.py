@@ -12,21 +12,43 @@ import pytest
 from pytest_regressions.file_regression import FileRegressionFixture
 
 from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
-from tests.toy_world import ToyWorld, encode, toy_planner
+from ictamp_drake.planning.round_robin import RoundRobinConfig
+from ictamp_drake.planning.rule import RuleConfig
+from ictamp_drake.planning.stap import StapConfig
+from ictamp_drake.planning.uniform import UniformAllocationConfig
+from tests.toy_world import ToyOptimizer, ToyWorld, encode, toy_planner
 
+ALGORITHMS: dict[type, str] = {
+    ProportionalConfig: "proportional",
+    ElsConfig: "els",
+    RoundRobinConfig: "round robin",
+    UniformAllocationConfig: "uniform",
+    StapConfig: "stap",
+    AdaptiveConfig: "adaptive",
+}
 REPOSITORY = Path(__file__).parents[2]
 GOLDEN = REPOSITORY / "tests" / "golden"
-CASES: dict[str, tuple[ToyWorld, ProportionalConfig]] = {
+WALLS = ToyWorld(size=(2, 2), walls=((2, 0), (1, 1)), success=0.8, expansions=3)
+NARROW = ToyWorld(size=(2, 1), doors={(2, 1): 0.15}, max_plans=1)
+SLIPPING = ToyWorld(size=(2, 2), success=0.3)
+CASES: dict[str, tuple[ToyWorld, RuleConfig]] = {
     "sure": (ToyWorld(size=(2, 2)), ProportionalConfig()),
-    "slipping": (ToyWorld(size=(2, 2), success=0.3), ProportionalConfig(W=2.0)),
-    "door": (ToyWorld(size=(2, 1), doors={(2, 1): 0.15}, max_plans=1), ProportionalConfig()),
-    "door_without_redrawing": (
-        ToyWorld(size=(2, 1), doors={(2, 1): 0.15}, max_plans=1),
-        ProportionalConfig(redraw=False),
-    ),
-    "walls": (ToyWorld(size=(2, 2), walls=((2, 0), (1, 1)), success=0.8, expansions=3), ProportionalConfig(W=3.0)),
+    "slipping": (SLIPPING, ProportionalConfig(W=2.0)),
+    "door": (NARROW, ProportionalConfig()),
+    "door_without_redrawing": (NARROW, ProportionalConfig(redraw=False)),
+    "walls": (WALLS, ProportionalConfig(W=3.0)),
     "unsolvable": (ToyWorld(size=(1, 1), walls=((1, 1),), expansions=1200), ProportionalConfig(W=50.0)),
+    "els": (WALLS, ElsConfig()),
+    "els_3_1": (SLIPPING, ElsConfig(p_w=3.0, p_c=1.0)),
+    "els_weighted": (SLIPPING, ElsConfig(weighted=True)),
+    "round_robin": (WALLS, RoundRobinConfig()),
+    "uniform": (SLIPPING, UniformAllocationConfig()),
+    "stap": (ToyWorld(size=(2, 1), doors={(2, 1): 0.15}, success=0.8), StapConfig(plans=2)),
+    "adaptive": (WALLS, AdaptiveConfig()),
+    "adaptive_door": (NARROW, AdaptiveConfig()),
 }
 
 
@@ -34,9 +56,10 @@ def record(name: str) -> str:
     """Algorithm, parameters, toy model and the whole tree of one search."""
     world, rule = CASES[name]
     seed, steps, estimator = 5, 80, ConstantConfig()
-    result = toy_planner(world, seed=seed, steps=steps, rule=rule, estimator=estimator.create()).run()
+    asked = ToyOptimizer(world) if isinstance(rule, StapConfig) else estimator.create()
+    result = toy_planner(world, seed=seed, steps=steps, rule=rule, estimator=asked).run()
     contents: dict[str, Any] = {
-        "algorithm": "proportional",
+        "algorithm": ALGORITHMS[type(rule)],
         "parameters": asdict(rule) | {"estimator": asdict(estimator), "steps": steps, "seed": seed},
         "world": world.to_dict(),
         "stop_reason": result.stop_reason.name,

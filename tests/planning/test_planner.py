@@ -9,15 +9,29 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Attempt
+from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.events import Event, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import StopReason
+from ictamp_drake.planning.round_robin import RoundRobinConfig
+from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.tree import ROOT
+from ictamp_drake.planning.uniform import UniformAllocationConfig
 from tests.toy_world import RIGHT, UP, TickingClock, ToyConfiguration, ToyWorld, assert_consistent, toy_planner
 
 SURE = ToyWorld(size=(2, 1), max_plans=1)
-RULES = {"paper": ProportionalConfig(), "straight": ProportionalConfig(redraw=False)}
+RULES: dict[str, RuleConfig] = {
+    "paper": ProportionalConfig(),
+    "straight": ProportionalConfig(redraw=False),
+    "els": ElsConfig(),
+    "els, p_w 3": ElsConfig(p_w=3.0),
+    "els, weighted": ElsConfig(weighted=True),
+    "round robin": RoundRobinConfig(),
+    "uniform": UniformAllocationConfig(),
+    "adaptive": AdaptiveConfig(),
+}
 
 
 # plans known | parameters k | dependence on the k before | hazard -> solved within 300 steps or not
@@ -40,7 +54,7 @@ CASES = {
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 @pytest.mark.parametrize(("world", "solved"), CASES.values(), ids=CASES)
-def test_case(world: ToyWorld, solved: bool, rule: ProportionalConfig) -> None:
+def test_case(world: ToyWorld, solved: bool, rule: RuleConfig) -> None:
     for seed in range(5):
         result = toy_planner(world, steps=300, seed=seed, rule=rule).run()
         assert result.solved is solved
@@ -199,16 +213,17 @@ def test_ctrl_c_during_the_verification_leaves_the_plan_unverified() -> None:
     size=st.tuples(st.integers(0, 3), st.integers(0, 3)),
     success=st.floats(0, 1),
     door=st.floats(0, 1),
-    W=st.floats(0, 100),
-    redraw=st.booleans(),
+    rule=st.one_of(
+        st.builds(ProportionalConfig, W=st.floats(0, 100), redraw=st.booleans()), st.sampled_from(list(RULES.values()))
+    ),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_every_tree_is_consistent(
-    *, size: tuple[int, int], success: float, door: float, W: float, redraw: bool, seed: int
+    *, size: tuple[int, int], success: float, door: float, rule: RuleConfig, seed: int
 ) -> None:
     world = ToyWorld(size=size, success=success, doors={(1, 1): door})
-    result = toy_planner(world, seed=seed, steps=60, rule=ProportionalConfig(W=W, redraw=redraw)).run()
+    result = toy_planner(world, seed=seed, steps=60, rule=rule).run()
     assert_consistent(result.tree)
     assert result.solved == (result.stop_reason is StopReason.SOLVED)
 

@@ -10,7 +10,7 @@ import yaml
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.runs.folder import opened
-from ictamp_drake.runs.options import Conduct, Method, Search
+from ictamp_drake.runs.options import Conduct, Method, Planners
 from ictamp_drake.world.simulate import PhysicsConfig
 
 WORK = {"program": "packing", "level": "easy"}
@@ -81,7 +81,10 @@ def test_a_file_is_no_folder() -> None:
         (Method(seed=3), "--seed 3, since it was made with 0"),
         (Method(sampler="uniform"), '--sampler "uniform", since it was made with "policy"'),
         (Method(physics=PhysicsConfig(time_step=0.001)), "--physics.time-step 0.001, since it was made with"),
-        (Method(planner=Search(rule=ProportionalConfig(W=2.5))), "--planner.rule.W 2.5, since it was made with"),
+        (
+            Method(planners=Planners(completion_tree=ProportionalConfig(W=2.5))),
+            "--planners.completion-tree.W 2.5, since it was made with",
+        ),
     ],
 )
 def test_another_method_is_refused_with_the_option_and_both_values(method: Method, difference: str) -> None:

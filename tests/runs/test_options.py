@@ -8,7 +8,8 @@ import tyro
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
-from ictamp_drake.runs.options import Conduct, Estimators, Generators, Method, Samplers, choices, chosen
+from ictamp_drake.planning.stap import StapConfig
+from ictamp_drake.runs.options import Conduct, Estimators, Generators, Method, Planners, Samplers, choices, chosen
 from ictamp_drake.skills.policy import PolicyConfig
 
 NOWHERE = Path("nowhere")
@@ -18,13 +19,16 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
     method = tyro.cli(
         Method,
         args=[
-            *("--planner.rule.W", "7", "--samplers.optimisation.restarts", "3", "--physics.time-step", "0.002"),
+            *("--planners.completion-tree.W", "7", "--planners.els.p-w", "3", "--planner", "els"),
+            *("--samplers.optimisation.restarts", "3", "--physics.time-step", "0.002"),
             *("--skills.pick.force", "20", "--generators.best-first.weight", "1.5", "--predicates.tilt", "0.2"),
             *("--estimators.constant.P", "0.5", "--skills.motion.padding", "0.01"),
             *("--samplers.policy.candidates", "1", "--estimators.q-value.draws", "8"),
         ],
     )
-    assert method.planner.rule.W == 7
+    assert method.planner == "els"
+    assert method.planners.completion_tree.W == 7
+    assert method.planners.els.p_w == 3
     assert method.samplers.optimisation.restarts == 3
     assert method.physics.time_step == 0.002
     assert method.skills.pick.force == 20
@@ -41,7 +45,7 @@ def test_without_options_the_command_line_gives_the_defaults() -> None:
 
 
 @pytest.mark.parametrize(
-    "configs", [Samplers(), Estimators(), Generators()], ids=lambda configs: type(configs).__name__
+    "configs", [Samplers(), Estimators(), Generators(), Planners()], ids=lambda configs: type(configs).__name__
 )
 def test_each_choice_names_a_configuration(configs: object) -> None:
     names = choices(type(configs))
@@ -55,12 +59,24 @@ def test_the_defaults_are_among_the_choices() -> None:
     assert method.sampler in choices(Samplers)
     assert method.estimator in choices(Estimators)
     assert method.generator in choices(Generators)
+    assert method.planner in choices(Planners)
 
 
 def test_names_can_be_written_both_ways() -> None:
     method = tyro.cli(Method, args=["--estimator", "p_score", "--generator", "best-first", "--sampler", "policy"])
     assert (method.estimator, method.generator, method.sampler) == ("p-score", "best-first", "policy")
     assert Method(estimator="p_score") == Method(estimator="p-score")
+
+
+def test_the_chosen_planner_is_the_rule_of_the_search() -> None:
+    rules = {name: Method(planner=name).planner_config(elapsed=0.0).rule for name in choices(Planners)}
+    assert rules == {name: chosen(Planners(), name) for name in choices(Planners)}
+
+
+def test_stap_asks_for_the_product_along_the_plan_whatever_the_estimator() -> None:
+    method = Method(planner="stap", planners=Planners(stap=StapConfig(draws=7, iterations=3)))
+    assert method.estimator_config == QValueConfig(horizon="plan", best=True, draws=7, refinements=3)
+    assert Method().estimator_config == PScoreConfig()
 
 
 @pytest.mark.parametrize(("elapsed", "left"), [(0.0, 10.0), (4.0, 6.0), (12.0, 0.0)])
@@ -81,6 +97,8 @@ def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) 
         lambda: Method(sampler="best_first"),
         lambda: Method(estimator=""),
         lambda: Method(generator="depth-first"),
+        lambda: Method(planner="breadth-first"),
+        lambda: Method(max_expansions=0),
         lambda: Conduct(workers=0),
         lambda: Conduct(grace=-1.0),
     ],

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ictamp_drake.core.types import Action, Attempt, Configuration, State
+from ictamp_drake.core.types import Action, Attempt, Configuration, Parameter, State
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.runner import SamplerConfig, Skills, SkillsConfig
@@ -41,9 +41,11 @@ class Rig:
         """What the action promises in c."""
         return self.domain.successor(self.abstraction(c), action)
 
-    def attempt(self, c: Configuration, action: Action, seed: int = 0) -> Attempt[Configuration]:
+    def attempt(
+        self, c: Configuration, action: Action, seed: int = 0, k: Parameter | None = None
+    ) -> Attempt[Configuration]:
         """One low-level step from c."""
-        return self.skills.attempt(c, action, self.promised(c, action), np.random.default_rng(seed))
+        return self.skills.attempt(c, action, self.promised(c, action), np.random.default_rng(seed), k)
 
 
 def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMISATION, draws: int = 8) -> Rig:

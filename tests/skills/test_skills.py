@@ -1,7 +1,6 @@
 """Pick and Place in physics: where they must succeed, why they refuse, and what an attempt records."""
 
-from collections.abc import Iterator
-from itertools import pairwise, repeat
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -205,6 +204,14 @@ def test_a_walled_in_box_is_refused_and_the_wall_named() -> None:
     assert {Failure.GOAL_IN_COLLISION} <= set(attempt.rejections)
 
 
+def test_a_given_k_is_the_only_one_that_is_tried() -> None:
+    setup, k = rig(FAR), np.array([0.0, 0.0, 0.0, 0.1])
+    attempt = setup.attempt(setup.start, pick("yellow_box", "table"), k=k)
+    assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
+    assert attempt.rejections == ()
+    np.testing.assert_array_equal(attempt.k, k)
+
+
 @pytest.mark.parametrize(
     ("spec", "cause"), [(FAR, Failure.NO_INVERSE_KINEMATICS), (WALLED_IN, Failure.GOAL_IN_COLLISION)]
 )
@@ -216,19 +223,6 @@ def test_a_sampler_that_finds_nothing_says_why_and_is_not_asked_again(spec: Scen
 
 
 # execution that fails
-
-
-class _Fixed:
-    """A sampler with one answer."""
-
-    def __init__(self, k: tuple[float, float, float, float]) -> None:
-        self._k = np.array(k)
-
-    def create(self, world: object, arm: object) -> "_Fixed":  # noqa: ARG002  (the protocol's)
-        return self
-
-    def draws(self, c: object, action: object, rng: object) -> Iterator[np.ndarray]:  # noqa: ARG002  (the protocol's)
-        return repeat(self._k)
 
 
 @pytest.fixture(scope="module")
@@ -245,8 +239,7 @@ def _placed(
 ) -> Failure | None:
     setup, c = carrying
     action = place("yellow_box", receptacle)
-    other = rig(ON_THE_TABLE, _Fixed(k))
-    attempt = other.skills.attempt(c, action, setup.promised(c, action), np.random.default_rng(0))
+    attempt = setup.skills.attempt(c, action, setup.promised(c, action), np.random.default_rng(0), np.array(k))
     assert attempt.failure is None or attempt.detail
     return attempt.failure
 
@@ -262,8 +255,8 @@ def test_a_box_dropped_from_high_up_or_beside_does_not_pass(carrying: tuple[Rig,
 
 
 def test_fingers_that_close_beside_the_box_grasp_nothing() -> None:
-    setup = rig(ON_THE_TABLE, _Fixed((0.0, 0.0, 0.05, 0.0)))
-    attempt = setup.attempt(setup.start, pick("yellow_box", "table"))
+    setup = rig(ON_THE_TABLE)
+    attempt = setup.attempt(setup.start, pick("yellow_box", "table"), k=np.array([0.0, 0.0, 0.05, 0.0]))
     assert attempt.failure is Failure.NOT_GRASPED
     assert "yellow_box" in attempt.detail
     assert attempt.successor is not None

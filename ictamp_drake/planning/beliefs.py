@@ -1,0 +1,125 @@
+"""What a search learns about its own steps: how likely they succeed, and how long they take to compute."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean
+from typing import Generic
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import Action, C, Skeleton, State
+from ictamp_drake.planning.rule import RunStep
+from ictamp_drake.planning.tree import Step, Tree
+
+
+@dataclass(frozen=True)
+class BeliefsConfig:
+    """Constants of the Beta beliefs.
+
+    Attributes:
+        strength: attempts that the prior P is worth.
+        transfer: what an attempt of the same action from another node is worth.
+        floor: least prior, so that no step is ever given up.
+        hope: P of an action before any of its name was estimated.
+        duration: computing time of a step before any of its name succeeded [s].
+    """
+
+    strength: float = 2.0
+    transfer: float = 0.25
+    floor: float = 0.02
+    hope: float = 0.9
+    duration: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("strength", "floor", "hope", "duration"):
+            if not getattr(self, name) > 0:
+                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
+        if not self.transfer >= 0:
+            raise IctampError(f"transfer of the beliefs is {self.transfer}, but must be 0 or more.")
+
+
+class Beliefs(Generic[C]):
+    """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
+
+    An edge that no node could attempt yet is believed in as edges of its action's name were estimated and as it went
+    elsewhere.
+    """
+
+    def __init__(self, config: BeliefsConfig, estimator: Estimator[C]) -> None:
+        self._config = config
+        self._estimator = estimator
+        self._P: dict[RunStep, float] = {}
+        self._estimates: defaultdict[str, list[float]] = defaultdict(list)
+        self._here: defaultdict[tuple[int, Action], _Evidence] = defaultdict(_Evidence)
+        self._anywhere: defaultdict[_Edge, _Evidence] = defaultdict(_Evidence)
+        self._seconds: defaultdict[tuple[str, bool], list[float]] = defaultdict(list)
+
+    def learn(self, tree: Tree[C], step: Step[C]) -> None:
+        """Take in an attempt; one that finished a plan which was then refused as a whole counts as a failure."""
+        action = step.attempt.action
+        success = step.child is not None and tree.candidates.get(step.child, True)
+        self._here[step.node, action].add(success)
+        self._anywhere[tree.nodes[step.node].s, action].add(success)
+        self._seconds[action.name, success].append(step.attempt.effort)
+
+    def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
+        """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
+        self._estimate(tree, runs)
+        rest = {run.plan: self._rest(tree.plans[run.plan]) for run in runs}
+        return [self._first(run, tree.plans[run.plan]) + rest[run.plan] for run in runs]
+
+    def hoped(self, plan: Skeleton) -> float:
+        """What `remaining` would be had nothing been attempted yet [s]."""
+        return sum(self._time(action, self._prior(action)) for action in plan.actions)
+
+    def _estimate(self, tree: Tree[C], runs: Sequence[RunStep]) -> None:
+        missing = [run for run in runs if run not in self._P]
+        if missing:
+            values = self._estimator.estimate([(tree.nodes[run.node].c, tree.plans[run.plan]) for run in missing])
+            for run, value in zip(missing, values.tolist(), strict=True):
+                self._P[run] = max(self._config.floor, value)
+                self._estimates[tree.plans[run.plan].actions[0].name].append(value)
+
+    def _first(self, run: RunStep, plan: Skeleton) -> float:
+        """Time of the plan's first action from this node: attempts from here count in full."""
+        action = plan.actions[0]
+        here, anywhere = self._here[run.node, action], self._anywhere[plan.states[0], action]
+        return self._time(action, self._posterior(self._P[run], anywhere, here))
+
+    def _rest(self, plan: Skeleton) -> float:
+        """Time of all later actions, from nodes that are not reached yet."""
+        edges = list(zip(plan.states, plan.actions, strict=False))[1:]
+        beliefs = (self._posterior(self._prior(action), self._anywhere[s, action]) for s, action in edges)
+        return sum(self._time(action, belief) for (_, action), belief in zip(edges, beliefs, strict=True))
+
+    def _prior(self, action: Action) -> float:
+        estimates = self._estimates[action.name]
+        return fmean(estimates) if estimates else self._config.hope
+
+    def _posterior(self, P: float, anywhere: "_Evidence", here: "_Evidence | None" = None) -> float:
+        """Mean of Beta(strength * P + successes, strength * (1 - P) + failures)."""
+        own, transfer, strength = here or _Evidence(), self._config.transfer, self._config.strength
+        successes = own.successes + transfer * (anywhere.successes - own.successes)
+        attempts = own.attempts + transfer * (anywhere.attempts - own.attempts)
+        return (strength * P + successes) / (strength + attempts)
+
+    def _time(self, action: Action, belief: float) -> float:
+        """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
+        success = self._seconds[action.name, True] or [self._config.duration]
+        failure = self._seconds[action.name, False] or success
+        return fmean(success) + (1 / belief - 1) * fmean(failure)
+
+
+_Edge = tuple[State, Action]
+"""An edge of the high-level graph."""
+
+
+@dataclass
+class _Evidence:
+    attempts: int = 0
+    successes: int = 0
+
+    def add(self, success: bool) -> None:
+        self.attempts += 1
+        self.successes += success

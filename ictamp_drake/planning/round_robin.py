@@ -1,0 +1,41 @@
+"""Round robin, the baseline of the paper's Table 1: every known plan gets one attempt, round after round."""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import C
+from ictamp_drake.planning.rule import OpenPlan, Option
+from ictamp_drake.planning.scores import draw_node
+from ictamp_drake.planning.tree import Tree
+
+
+@dataclass(frozen=True)
+class RoundRobinConfig:
+    """Nothing to choose."""
+
+    def create(self, estimator: Estimator[C]) -> "RoundRobin[C]":  # noqa: ARG002  (the same for all rules)
+        """The rule for one search."""
+        return RoundRobin()
+
+
+class RoundRobin(Generic[C]):
+    """A round attempts every plan known at its beginning once, those nearest to the goal first, and opens one more.
+
+    The node that attempts a plan is drawn in proportion to 1 / (1 + cnt) among those that hold it.
+    """
+
+    def __init__(self) -> None:
+        self._round: deque[int | None] = deque()  # numbers of plans, None for opening one
+
+    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        """What is next in the round."""
+        if not self._round:
+            plans = sorted(tree.open_plans, key=lambda number: len(tree.plans[number]))
+            self._round.extend(plans)
+            self._round.extend([] if tree.exhausted else [None])
+        plan = self._round.popleft()
+        return OpenPlan() if plan is None else draw_node(tree, plan, rng)

@@ -1,0 +1,94 @@
+"""STAP's way (Agia et al. 2023) as a selection rule: optimise whole plans first, then execute the best."""
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Estimator, PlanOptimizer
+from ictamp_drake.core.types import C, FloatArray
+from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.tree import ROOT, Step, Tree
+
+
+@dataclass(frozen=True)
+class StapConfig:
+    """Constants of STAP's planner.
+
+    Attributes:
+        extra: actions that a plan may have more than the shortest; with it this is the depth of the search for plans.
+        plans: that are optimised at most.
+        draws: rollouts of each plan in an iteration of the cross-entropy method.
+        iterations: of that method after the first draws.
+    """
+
+    extra: int = 0
+    plans: int = 16
+    draws: int = 100
+    iterations: int = 4
+
+    def __post_init__(self) -> None:
+        for name, least in (("extra", 0), ("plans", 1), ("draws", 1), ("iterations", 0)):
+            if getattr(self, name) < least:
+                raise IctampError(f"{name} of stap is {getattr(self, name)}, but must be {least} or more.")
+
+    def create(self, estimator: Estimator[C]) -> "Stap[C]":
+        """The rule for one search.
+
+        Raises:
+            TypeError: the estimator is no `PlanOptimizer`.
+        """
+        if not isinstance(estimator, PlanOptimizer):
+            raise TypeError(f"{type(estimator).__name__} does not optimise plans")
+        return Stap(self, estimator)
+
+
+class Stap(Generic[C]):
+    """Opens all plans up to a depth, optimises each from c_0, and executes the best, on failure the next best.
+
+    When all have failed, all are optimised anew.
+    """
+
+    def __init__(self, config: StapConfig, optimizer: PlanOptimizer[C]) -> None:
+        self._config = config
+        self._optimizer = optimizer
+        self._ranking: deque[tuple[int, FloatArray]] = deque()
+        self._k = np.zeros((0, 4))
+
+    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        """Open, go on with the plan that is under way, or begin the next best."""
+        if self._wants_plans(tree):
+            return OpenPlan()
+        if (step := self._next_of_plan(tree)) is not None:
+            return step
+        if not self._ranking:
+            self._ranking.extend(self._ranked(tree, rng))
+        plan, self._k = self._ranking.popleft()
+        return RunStep(ROOT, plan, self._k[0])
+
+    def _wants_plans(self, tree: Tree[C]) -> bool:
+        near, known = self._near(tree), tree.opened
+        return not tree.exhausted and len(near) < self._config.plans and (not near or near[-1] == known[-1])
+
+    def _near(self, tree: Tree[C]) -> list[int]:
+        """The plans up to the depth, in the order in which they came."""
+        opened = [plan for plan in tree.opened if tree.plans[plan].actions]
+        depth = min((len(tree.plans[plan]) for plan in opened), default=0) + self._config.extra
+        return [plan for plan in opened if len(tree.plans[plan]) <= depth]
+
+    def _next_of_plan(self, tree: Tree[C]) -> RunStep | None:
+        last = tree.log[-1]
+        if not isinstance(last, Step) or last.child is None or tree.is_finished(tree.nodes[last.child]):
+            return None
+        node = tree.nodes[last.child]
+        (rest,) = node.cnt
+        return RunStep(node.index, rest, self._k[node.depth])
+
+    def _ranked(self, tree: Tree[C], rng: np.random.Generator) -> list[tuple[int, FloatArray]]:
+        """Plans with their parameters, the most promising first."""
+        plans = self._near(tree)
+        found = self._optimizer.optimised([(tree.root.c, tree.plans[plan]) for plan in plans], rng)
+        order = sorted(range(len(plans)), key=lambda number: -found[number].value)
+        return [(plans[number], found[number].k) for number in order]

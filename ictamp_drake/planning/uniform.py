@@ -1,0 +1,30 @@
+"""Uniform allocation: every computational action is as likely as any other."""
+
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import C
+from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.tree import Tree
+
+
+@dataclass(frozen=True)
+class UniformAllocationConfig:
+    """Nothing to choose."""
+
+    def create(self, estimator: Estimator[C]) -> "UniformAllocation[C]":  # noqa: ARG002  (the same for all rules)
+        """The rule for one search."""
+        return UniformAllocation()
+
+
+class UniformAllocation(Generic[C]):
+    """Draws among opening a plan and every step that any node could attempt."""
+
+    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        """The next computational action."""
+        options: list[Option] = [] if tree.exhausted else [OpenPlan()]
+        options += [RunStep(*run) for run in tree.runs]
+        return options[rng.integers(len(options))]

@@ -1,0 +1,127 @@
+"""What a search learns about its steps: by hand, and laws of it."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Attempt
+from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
+from ictamp_drake.planning.rule import RunStep
+from ictamp_drake.planning.tree import ROOT, Tree
+from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction
+
+WORLD = ToyWorld(size=(1, 1))
+RIGHT_UP, UP_RIGHT = WORLD.plans()
+CONFIG = BeliefsConfig(strength=2.0, transfer=0.5, duration=1.0)
+CELLS = {RIGHT: (1, 0), UP: (0, 1)}
+
+
+class Search:
+    """A tree with both plans, that grows by hand, and the beliefs about it."""
+
+    def __init__(self, config: BeliefsConfig = CONFIG, right: float = 0.5, up: float = 0.8) -> None:
+        self.tree = Tree(WORLD.start, abstraction(WORLD.start))
+        self.estimator = TableEstimator({RIGHT: right, UP: up})
+        self.beliefs: Beliefs[ToyConfiguration] = Beliefs(config, self.estimator)
+        for plan in (RIGHT_UP, UP_RIGHT):
+            self.tree.record_opening(plan, 1)
+
+    def attempt(self, node: int, plan: int, success: bool, seconds: float = 1.0) -> None:
+        action: Action = self.tree.plans[plan].actions[0]
+        x, y = self.tree.nodes[node].c.cell
+        successor = ToyConfiguration((x + CELLS[action][0], y + CELLS[action][1]), 0.1)
+        failure = None if success else Failure.SLIPPED
+        attempt = Attempt(action, failure, successor, seconds={"physics": seconds})
+        self.beliefs.learn(self.tree, self.tree.record_step(node, plan, attempt))
+
+    def remaining(self, node: int, plan: int) -> float:
+        return self.beliefs.remaining(self.tree, [RunStep(node, plan)])[0]
+
+
+def test_before_any_attempt_P_says_how_often_each_action_must_be_repeated() -> None:
+    search = Search()
+    together = search.beliefs.remaining(search.tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    assert together == pytest.approx([1 / 0.5 + 1 / 0.8, 1 / 0.8 + 1 / 0.5])
+    assert len(search.estimator.asked) == 1
+
+
+def test_an_action_of_a_name_that_was_never_estimated_is_hoped_for() -> None:
+    search = Search()
+    assert search.remaining(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
+
+
+def test_attempts_from_the_same_node_count_in_full() -> None:
+    search = Search()
+    search.attempt(ROOT, 0, success=False)
+    assert search.remaining(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 1)) + 1 / CONFIG.hope)
+    search.attempt(ROOT, 0, success=True)
+    assert search.remaining(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 2)) + 1 / CONFIG.hope)
+
+
+def test_attempts_on_the_same_edge_from_elsewhere_count_a_part() -> None:
+    search = Search()
+    search.attempt(ROOT, 0, success=True)
+    search.attempt(1, 2, success=False)
+    search.attempt(ROOT, 0, success=True)
+    node = len(search.tree.nodes) - 1
+    assert search.remaining(node, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 0.5)))
+    assert search.remaining(1, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 1)))
+    from_root = 1 / ((2 * 0.5 + 2) / (2 + 2))
+    assert search.remaining(ROOT, 0) == pytest.approx(from_root + 1 / (2 * 0.8 / (2 + 0.5)))
+
+
+def test_the_same_action_on_another_edge_is_no_evidence() -> None:
+    search = Search()
+    search.attempt(ROOT, 1, success=True)
+    search.attempt(1, 2, success=False)  # right, from the upper cell
+    assert search.remaining(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
+
+
+def test_failures_and_successes_take_their_own_time() -> None:
+    search = Search()
+    search.attempt(ROOT, 0, success=True, seconds=3.0)
+    search.attempt(ROOT, 0, success=False, seconds=0.1)
+    right = 3.0 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
+    assert search.remaining(ROOT, 0) == pytest.approx(right + 1 / CONFIG.hope)
+
+
+def test_a_plan_that_was_refused_as_a_whole_counts_as_a_failure_of_its_last_action() -> None:
+    search = Search()
+    search.attempt(ROOT, 0, success=True)
+    search.tree.candidates[2] = False
+    search.attempt(1, 2, success=True)
+    assert search.tree.nodes[-1].index == 2
+    assert search.remaining(1, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 1)))
+
+
+def test_what_is_hoped_of_a_plan_knows_no_failures() -> None:
+    search = Search()
+    before = search.remaining(ROOT, 0), search.remaining(ROOT, 1)
+    for _ in range(5):
+        search.attempt(ROOT, 0, success=False)
+    assert search.beliefs.hoped(RIGHT_UP) == pytest.approx(1 / 0.5 + 1 / 0.8)
+    assert search.remaining(ROOT, 0) > before[0]
+
+
+@given(outcomes=st.lists(st.booleans(), max_size=8), right=st.floats(0, 1), strength=st.floats(0.1, 10))
+def test_a_failure_makes_a_plan_look_further_away_and_a_success_nearer(
+    outcomes: list[bool], right: float, strength: float
+) -> None:
+    search = Search(BeliefsConfig(strength=strength, duration=1.0), right=right)
+    for success in outcomes:
+        before = search.remaining(ROOT, 0)
+        search.attempt(ROOT, 0, success)
+        assert search.remaining(ROOT, 0) <= before + 1e-9 if success else search.remaining(ROOT, 0) >= before - 1e-9
+
+
+@pytest.mark.parametrize("name", ["strength", "floor", "hope", "duration"])
+def test_a_constant_of_zero_is_refused_by_name(name: str) -> None:
+    with pytest.raises(IctampError, match=f"{name} of the beliefs is 0.0, but must be more than 0"):
+        BeliefsConfig(**{name: 0.0})
+
+
+def test_a_negative_transfer_is_refused_by_name() -> None:
+    with pytest.raises(IctampError, match=r"transfer of the beliefs is -0.1, but must be 0 or more"):
+        BeliefsConfig(transfer=-0.1)
