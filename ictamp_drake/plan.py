@@ -1,8 +1,7 @@
 """Plan in a scene of one's own: `python -m ictamp_drake.plan SCENE.yaml`."""
 
-import dataclasses
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +10,7 @@ import tyro
 from ictamp_drake.runs.options import Conduct, Method
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.solve import prepare
-from ictamp_drake.runs.worker import Problem
+from ictamp_drake.runs.worker import Job, Problem
 
 
 @dataclass(frozen=True)
@@ -37,8 +36,8 @@ def work(options: Plan) -> Work:
     """
     task = prepare(options.scene, options.method)
     name = options.scene.stem
-    about = {"program": "plan", "scene": dataclasses.asdict(task.spec)}
-    return Work(name, about, [Problem(name, options.scene.absolute())], options.method, options.conduct)
+    about = {"program": "plan", "scene": asdict(task.spec), "options": asdict(options.method)}
+    return Work(name, about, [Job(Problem(name, options.scene.absolute()), options.method)], options.conduct)
 
 
 if __name__ == "__main__":

@@ -11,18 +11,20 @@ import sys
 import time
 from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import tyro
 from rich.console import Console
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
+from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.files import write_whole
 from ictamp_drake.runs.folder import locked
-from ictamp_drake.runs.pool import deaf_children, end_with_parent, isolated
+from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.progress import clock
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.shards import Shards, summary
@@ -48,21 +50,20 @@ class Collect:
         out: folder for the attempts; naming one that exists continues it or adds scenes to it.
         scenes: number of a training scene or slice of them, e.g. 3 or 0:500.
         seed: of the scenes and walks.
-        workers: processes that each walk through one scene at a time.
         limit: time after which a walk through a scene counts as hung [s].
+        engine: where scenes are walked through, one by each process at a time; all must see the folder `out`.
         walk: how attempts are drawn.
     """
 
     out: Path
     scenes: str = "0:100"
     seed: int = 0
-    workers: int = 2
     limit: float = 600.0
+    engine: Annotated[EngineConfig, tyro.conf.arg(name="")] = EngineConfig()
     walk: WalkConfig = WalkConfig()
 
     def __post_init__(self) -> None:
         check_range("seed", self.seed, 0, 2**63 - 1)
-        check_range("workers", self.workers, 1, 1024)
         check_range("limit", self.limit, 1, 1e6, " s")
 
 
@@ -74,6 +75,7 @@ def collect(options: Collect, console: Console) -> int:
     """
     scenes = parse_selection(options.scenes, MAX_SCENES)
     options.walk.check()
+    options.engine.check()
     options.out.mkdir(parents=True, exist_ok=True)
     with locked(options.out):
         _check_same(options)
@@ -111,11 +113,11 @@ def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Co
     """
     progress = _Progress(len(todo), console)
     spared: dict[int, list[int]] = {scene: [] for scene in todo}
-    with isolated(min(options.workers, len(todo)), end_with_parent) as pool:
+    here = replace(options, out=options.out.absolute())
+    with options.engine.start(len(todo), end_with_parent) as engine:
 
         def start(scene: int) -> Future[tuple[int, int]]:
-            with deaf_children():
-                return pool.schedule(_walk_one, (scene, options, spared[scene]), timeout=options.limit)
+            return engine.submit(_walk_one, scene, here, spared[scene], timeout=options.limit)
 
         pending = {start(scene): scene for scene in todo}
         while pending:

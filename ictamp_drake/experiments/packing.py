@@ -4,14 +4,14 @@
 """
 
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Annotated
 
 import tyro
 
 from ictamp_drake.runs.options import Conduct, Method, one_of
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Problem
+from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, problem_files
 
 
@@ -40,9 +40,9 @@ def work(options: Packing) -> Work:
     """
     level = options.level
     files = problem_files(level, options.problems)
-    problems = [Problem(f"{level}-{path.stem}", path, level) for path in files]
-    about = {"program": "packing", "level": level}
-    return Work(f"packing-{level}", about, problems, options.method, options.conduct)
+    jobs = [Job(Problem(f"{level}-{path.stem}", path, level), options.method) for path in files]
+    about = {"program": "packing", "level": level, "options": asdict(options.method)}
+    return Work(f"packing-{level}", about, jobs, options.conduct)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ class BeliefsConfig:
         duration: computing time of a step before any of its name succeeded [s].
     """
 
-    strength: float = 2.0
+    strength: float = 4.0
     transfer: float = 0.25
     floor: float = 0.02
     hope: float = 0.9

@@ -1,7 +1,8 @@
 """The folder of a run: a new one, or an unfinished one that is continued.
 
-`config.yaml` holds what decides how problems are solved (`program`, what it works on, and `options`), and for each time
-that the run was started or continued one entry of `sessions`: when, how it was carried out, commit, versions, machine.
+`config.yaml` holds what decides how problems are solved (`program`, what it works on, and `options`, or those of
+several `strategies`), and for each time that the run was started or continued one entry of `sessions`: when, how it was
+carried out, commit, versions, machine.
 """
 
 import dataclasses
@@ -17,7 +18,7 @@ import yaml
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.files import write_whole
-from ictamp_drake.runs.options import Conduct, Method
+from ictamp_drake.runs.options import Conduct
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.records import drop_torn_line
 
@@ -29,27 +30,33 @@ RESULTS = "results.jsonl"
 
 
 @contextmanager
-def opened(name: str, work: Mapping[str, Any], method: Method, conduct: Conduct) -> Iterator[Path]:
+def opened(name: str, work: Mapping[str, Any], conduct: Conduct) -> Iterator[Path]:
     """The folder of a run, made or found again, for this process alone.
 
     Args:
         name: of new folders, followed by the time.
-        work: what the run is about, e.g. program and level; with the method, what must agree when it is continued.
-        method: how problems are solved.
+        work: what the run is about and how problems are solved: program, level, `options`, ...; this must agree when
+            the run is continued, but `strategies` may be added to those that were there.
         conduct: says where the folder is.
 
     Raises:
         IctampError: when the folder is not a run, is a run of something else, or is in use.
     """
-    fixed = _plain({**work, "options": dataclasses.asdict(method)})
+    fixed = _plain(work)
     path = _path(name, conduct)
-    sessions = _sessions(path, fixed)
+    before = _config(path)
+    _check_same(path, before, fixed)
+    fixed |= {"strategies": before.get("strategies", {}) | fixed["strategies"]} if "strategies" in fixed else {}
     path.mkdir(parents=True, exist_ok=True)
     with locked(path):
         drop_torn_line(path / RESULTS)
         now = datetime.now().astimezone().isoformat(timespec="seconds")
         session = {"started": now, "conduct": _plain(dataclasses.asdict(conduct)), **provenance()}
-        write_whole(path / CONFIG, yaml.safe_dump({**fixed, "sessions": [*sessions, session]}, sort_keys=False))
+        sessions = [*before.get("sessions", []), session]
+        write_whole(
+            path / CONFIG,
+            yaml.safe_dump({**fixed, "sessions": sessions}, sort_keys=False),
+        )
         yield path
 
 
@@ -66,16 +73,21 @@ def _path(name: str, conduct: Conduct) -> Path:
     return RUNS / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
-def _sessions(path: Path, fixed: Mapping[str, Any]) -> list[Any]:
-    """The sessions of the run to be continued, none for a new folder."""
+def _config(path: Path) -> dict[str, Any]:
+    """Of the run to be continued, empty for a new folder."""
     if not (path / CONFIG).exists():
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
             raise IctampError(
                 f"{path}: exists and is not the folder of a run (it has no {CONFIG}); choose another --out"
             )
-        return []
-    config = yaml.safe_load((path / CONFIG).read_text(encoding="utf-8"))
-    before, now = _flat({key: config.get(key) for key in fixed}), _flat(fixed)
+        return {}
+    return dict(yaml.safe_load((path / CONFIG).read_text(encoding="utf-8")))
+
+
+def _check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) -> None:
+    if not config:
+        return
+    before, now = (_flat(_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
     for key in [*now, *before]:
         if before.get(key) != now.get(key):
             was, new = (json.dumps(values.get(key)) for values in (before, now))
@@ -83,7 +95,13 @@ def _sessions(path: Path, fixed: Mapping[str, Any]) -> list[Any]:
                 f"{path}: cannot be continued with {_option(key)} {new}, since it was made with {was}; "
                 f"take that value or another --out"
             )
-    return list(config["sessions"])
+
+
+def _common(values: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+    """All that decides how problems are solved, of strategies those that are in both."""
+    kept = {key: value for key, value in values.items() if key not in ("sessions", "strategies")}
+    both = values.get("strategies", {}).keys() & other.get("strategies", {}).keys()
+    return {**kept, "strategies": {name: values["strategies"][name] for name in sorted(both)}}
 
 
 @contextmanager

@@ -4,7 +4,6 @@ A choice between implementations is a dataclass with one field for each; its fie
 """
 
 import dataclasses
-import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -22,6 +21,7 @@ from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
+from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.scenes.checks import check_choice, check_range
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.policy import PolicyConfig
@@ -169,22 +169,21 @@ class Conduct:
         out: folder for what the run leaves; by default a new one in runs/, named by program and time. Naming the
             folder of an unfinished run continues it.
         resume: continue a run, without --out the latest of this program in runs/.
-        workers: processes that each solve one problem at a time.
         artefacts: what is kept of each problem: all; plan, only scene.yaml and plan.yaml; none, only its record.
-        meshcat: show what is planned live in a browser on this machine, with one worker.
+        meshcat: show what is planned live in a browser on this machine, with one worker of its own.
         grace: how long a problem may take beyond its time limit, to finish a step, to verify and to write what it
             leaves, before its process is ended [s].
+        engine: where problems are solved, one by each process at a time.
     """
 
     out: Path | None = None
     resume: bool = False
-    workers: int = min(2, os.cpu_count() or 1)
     artefacts: Literal["all", "plan", "none"] = "all"
     meshcat: bool = False
     grace: float = 120.0
+    engine: Annotated[EngineConfig, tyro.conf.arg(name="")] = EngineConfig()
 
     def __post_init__(self) -> None:
-        check_range("workers", self.workers, 1, 1024)
         check_range("grace", self.grace, 0, 1e6, " s")
         if self.meshcat:
-            object.__setattr__(self, "workers", 1)
+            object.__setattr__(self, "engine", EngineConfig(workers=1))

@@ -5,11 +5,14 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
 from multiprocessing import get_context
-from typing import Any
+from typing import Any, TypeVar
 
 from pebble import ProcessPool
+
+T = TypeVar("T")
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -17,8 +20,20 @@ CONTEXT = get_context("spawn")
 """How processes are started: Drake does not survive a fork."""
 
 
+class Pool:
+    """Processes of this machine; see `engine.Engine`."""
+
+    def __init__(self, processes: ProcessPool) -> None:
+        self._processes = processes
+
+    def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
+        """What a process will return; TimeoutError after so many seconds, another exception when it died."""
+        with _deaf_children():
+            return self._processes.schedule(function, arguments, timeout=timeout)
+
+
 @contextmanager
-def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Iterator[ProcessPool]:
+def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Iterator[Pool]:
     """A pool of worker processes, which end with the block.
 
     Args:
@@ -27,16 +42,16 @@ def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Itera
     """
     for name in THREADS:
         os.environ[name] = "1"  # inherited by the workers, which share the cores already
-    pool = ProcessPool(max_workers=workers, initializer=start, initargs=arguments, context=CONTEXT)
+    processes = ProcessPool(max_workers=workers, initializer=start, initargs=arguments, context=CONTEXT)
     try:
-        yield pool
+        yield Pool(processes)
     finally:
-        pool.stop()  # type: ignore[no-untyped-call]
-        pool.join()
+        processes.stop()  # type: ignore[no-untyped-call]
+        processes.join()
 
 
 @contextmanager
-def deaf_children() -> Iterator[None]:
+def _deaf_children() -> Iterator[None]:
     """Processes and threads started here never see Ctrl-C, which a terminal sends to the whole family."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

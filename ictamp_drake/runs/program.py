@@ -1,5 +1,6 @@
 """The frame of every program: command line, run, report, exit code."""
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,12 +10,12 @@ from rich.console import Console
 
 from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.folder import RESULTS, opened
-from ictamp_drake.runs.options import Conduct, Method
-from ictamp_drake.runs.progress import Progress, counted
+from ictamp_drake.runs.options import Conduct
+from ictamp_drake.runs.progress import Progress, clock, counted
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.table import report
-from ictamp_drake.runs.worker import Bench, Problem
+from ictamp_drake.runs.worker import Job
 
 T = TypeVar("T")
 
@@ -25,16 +26,14 @@ class Work:
 
     Attributes:
         name: of the run's folder.
-        about: what the problems are, for config.yaml.
-        problems: to be solved.
-        method: how.
+        about: what the problems are and how they are solved, for config.yaml; see `folder.opened`.
+        jobs: to be done.
         conduct: how the run is carried out.
     """
 
     name: str
     about: dict[str, Any]
-    problems: Sequence[Problem]
-    method: Method
+    jobs: Sequence[Job]
     conduct: Conduct
 
 
@@ -52,18 +51,18 @@ def main(name: str, options: type[T], work: Callable[[T], Work], arguments: Sequ
 
 
 def run(work: Work, console: Console) -> int:
-    """Solve what is not solved yet, show the results of all; returns the exit code.
+    """Do what is not done yet, show the results of all; returns the exit code.
 
     Raises:
-        IctampError: see `folder.opened` and `Method.check`.
+        IctampError: see `folder.opened`, `Method.check` and `EngineConfig.check`.
     """
-    work.method.check()
-    with opened(work.name, work.about, work.method, work.conduct) as folder:
+    work.conduct.engine.check()
+    for method in {job.strategy: job.method for job in work.jobs}.values():
+        method.check()
+    with opened(work.name, work.about, work.conduct) as folder:
         records = _records(work, folder)
-        todo = [
-            problem for problem in work.problems if not (problem.name in records and records[problem.name].is_final)
-        ]
-        done = len(work.problems) - len(todo)
+        todo = [job for job in work.jobs if not (job.name in records and records[job.name].is_final)]
+        done = len(work.jobs) - len(todo)
         console.print(f"{folder}: {counted(len(todo), 'problem')} to solve, {done} done before", soft_wrap=True)
         complete = not todo or _sweep(work, folder, todo, console)
         records = _records(work, folder)
@@ -75,18 +74,21 @@ def run(work: Work, console: Console) -> int:
 
 
 def _records(work: Work, folder: Path) -> dict[str, Record]:
-    """What is known of the problems, in their order."""
+    """What is known of the jobs, in their order."""
     records = read_records(folder / RESULTS)
-    return {problem.name: records[problem.name] for problem in work.problems if problem.name in records}
+    return {job.name: records[job.name] for job in work.jobs if job.name in records}
 
 
-def _sweep(work: Work, folder: Path, todo: Sequence[Problem], console: Console) -> bool:
-    conduct = work.conduct
-    bench = Bench(folder, work.method, conduct.artefacts, conduct.meshcat)
+def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console) -> bool:
     earlier = _records(work, folder).values()
     solved = sum(record.solved for record in earlier if record.is_final)
-    with Progress(console, [problem.name for problem in todo], len(work.problems), solved) as progress:
-        return sweep(todo, bench, conduct.workers, conduct.grace, progress)
+    start = time.monotonic()
+    with Progress(console, [job.name for job in todo], len(work.jobs), solved) as progress:
+        complete = sweep(todo, folder, work.conduct, progress)
+    records = _records(work, folder)
+    planning = sum(records[job.name].planning_time_s for job in todo if job.name in records)
+    console.print(f"{clock(time.monotonic() - start)} for {planning:.0f} s of planning")
+    return complete
 
 
 def _print_where(console: Console, work: Work, folder: Path, records: Mapping[str, Record], complete: bool) -> None:

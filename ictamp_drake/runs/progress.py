@@ -28,7 +28,7 @@ class Progress:
         self._console = console
         self._names = names
         self._total = total
-        self._done = total - len(names)
+        self._done = self._earlier = total - len(names)
         self._solved = solved
         self._start = time.monotonic()
         self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
@@ -64,6 +64,8 @@ class Progress:
     def _heading(self, board: Board) -> Text:
         left = self._total - self._done
         text = f"{self._done} of {self._total} done, {self._solved} solved, {left} left, {clock(self._elapsed)}"
+        if left and self._done > self._earlier:
+            text += f", about {clock(self._elapsed / (self._done - self._earlier) * left)} to go"
         return Text(text + (", stopping after the steps under way" if board.stopping else ""), style="bold")
 
     @property

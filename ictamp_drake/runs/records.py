@@ -19,7 +19,8 @@ class Record:
     """What is known of one problem when it is over. Failures are keyed by the names of `core.failures.Failure`.
 
     Attributes:
-        problem: its name, and that of its folder.
+        problem: its name.
+        strategy: name of the method, empty in a run of one method.
         level: easy, medium or hard; None for a scene of one's own.
         interference: kinds of interference of the boxes outside the goal.
         seed: the run's seed.
@@ -43,6 +44,7 @@ class Record:
     """
 
     problem: str
+    strategy: str = ""
     level: str | None
     seed: int
     interference: tuple[str, ...] = ()
@@ -62,16 +64,27 @@ class Record:
     load: tuple[float, ...] = field(default_factory=os.getloadavg)
 
     @property
+    def name(self) -> str:
+        """See `run_name`."""
+        return run_name(self.problem, self.strategy, self.seed)
+
+    @property
     def is_final(self) -> bool:
         """False when the problem was interrupted or broke down, so that a run which is continued tries it again."""
         return self.error is None and self.stop_reason != StopReason.STOPPED.name
 
 
-def record_of(problem: str, level: str | None, seed: int, solution: Solution) -> Record:
+def run_name(problem: str, strategy: str, seed: int) -> str:
+    """Of a record and its folder: the problem's, or with several methods e.g. els/0/easy-003."""
+    return f"{strategy}/{seed}/{problem}" if strategy else problem
+
+
+def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: Solution) -> Record:
     """The record of a search that came to its end."""
     result = solution.result
     return Record(
         problem=problem,
+        strategy=strategy,
         level=level,
         seed=seed,
         interference=solution.task.spec.interference,
@@ -94,7 +107,7 @@ def record_of(problem: str, level: str | None, seed: int, solution: Solution) ->
 
 
 def append(record: Record, path: Path) -> None:
-    """Add a line by a single write, and wait until it is on the disk; several processes may do so at once."""
+    """Add a line by a single write, and wait until it is on the disk."""
     line = json.dumps(dataclasses.asdict(record)) + "\n"
     descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
     try:
@@ -112,7 +125,7 @@ def drop_torn_line(path: Path) -> None:
 
 
 def read_records(path: Path) -> dict[str, Record]:
-    """The last record of each problem, by its name, in the order in which they were written.
+    """The last record of each name, in the order in which they were written.
 
     Raises:
         IctampError: when a line is not a record.
@@ -124,8 +137,8 @@ def read_records(path: Path) -> dict[str, Record]:
             record = _parse(json.loads(line))
         except (ValueError, TypeError, KeyError) as error:
             raise IctampError(f"{path}: line {number} is not a record: {error}") from error
-        records.pop(record.problem, None)
-        records[record.problem] = record
+        records.pop(record.name, None)
+        records[record.name] = record
     return records
 
 

@@ -1,18 +1,20 @@
-"""Many problems at once: isolated workers, a hard limit of time for each problem, and a clean end on Ctrl-C."""
+"""Many jobs at once: isolated workers, a hard limit of time for each job, and a clean end on Ctrl-C."""
 
+import shutil
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
-
-from pebble import ProcessPool
+from pathlib import Path
 
 from ictamp_drake.runs.board import Board
+from ictamp_drake.runs.engine import Engine
 from ictamp_drake.runs.folder import RESULTS
-from ictamp_drake.runs.pool import CONTEXT, deaf_children, isolated
+from ictamp_drake.runs.options import Conduct
+from ictamp_drake.runs.pool import CONTEXT
 from ictamp_drake.runs.records import Record, append
-from ictamp_drake.runs.worker import CRASHED, HUNG, Bench, Problem, broken, run_problem, start_worker
+from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Job, run_job, start_worker
 
 POLL = 0.2
 """Time between two looks at what the workers do [s]."""
@@ -21,57 +23,71 @@ Watch = Callable[[Board, Sequence[Record]], None]
 """Called at least every `POLL` seconds with the board and the records that are new since the last call."""
 
 
-def sweep(problems: Sequence[Problem], bench: Bench, workers: int, grace: float, watch: Watch) -> bool:
-    """Solve all problems; each one's record is on the disk before it is told.
+def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch) -> bool:
+    """Do all jobs; what each leaves is on the disk before it is told, its record last.
 
-    A problem whose process dies or exceeds the time limit by more than `grace` [s] becomes a record that says so. The
-    first Ctrl-C lets the workers finish the step they are at, the second one ends them at once.
+    A job whose process dies or exceeds the time limit by more than the grace becomes a record that says so. The first
+    Ctrl-C lets the workers of this machine finish the step they are at and ends those of a cluster, the second one ends
+    all at once.
 
     Returns:
         False when it was interrupted.
     """
-    board = Board(CONTEXT, len(problems))
-    run = _Sweep(problems, bench, board, watch)
-    count = min(workers, len(problems))
-    with _ctrl_c_stops(board), isolated(count, start_worker, board, bench) as pool:
-        run.follow(run.start(pool, timeout=bench.method.time_limit + grace))
+    board = Board(CONTEXT, len(jobs))
+    shared = conduct.engine.engine == "local"
+    learned = any(job.method.learned for job in jobs)
+    start = (start_worker, board if shared else None, learned, conduct.meshcat)
+    with _ctrl_c_stops(board), conduct.engine.start(len(jobs), *start) as engine:
+        _Sweep(jobs, folder, conduct, board, shared, watch).run(engine)
     return not board.stopping
 
 
 @dataclass(frozen=True)
 class _Sweep:
-    problems: Sequence[Problem]
-    bench: Bench
+    jobs: Sequence[Job]
+    folder: Path
+    conduct: Conduct
     board: Board
+    shared: bool
     watch: Watch
 
-    def start(self, pool: ProcessPool, timeout: float) -> dict[Future[Record | None], int]:
-        """Hand all problems to the pool; returns the numbers of the problems."""
-        with deaf_children():
-            return {
-                pool.schedule(run_problem, (slot, problem, self.bench), timeout=timeout): slot
-                for slot, problem in enumerate(self.problems)
-            }
-
-    def follow(self, pending: dict[Future[Record | None], int]) -> None:
-        """Wait for all problems and tell what comes of them."""
-        while pending:
+    def run(self, engine: Engine) -> None:
+        """Hand all jobs to the engine, wait for them and tell what comes of them."""
+        pending = {self._submitted(engine, slot): slot for slot in range(len(self.jobs))}
+        while pending and (self.shared or not self.board.stopping):
             done = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED).done
-            records = [self._record(future, pending.pop(future)) for future in done]
+            records = [self._kept(future, pending.pop(future)) for future in done]
             self.watch(self.board, [record for record in records if record is not None])
 
-    def _record(self, future: Future[Record | None], slot: int) -> Record | None:
-        """What the worker has written, or what is written here because the worker could not."""
+    def _submitted(self, engine: Engine, slot: int) -> Future[Finished | None]:
+        job = self.jobs[slot]
+        timeout = job.method.time_limit + self.conduct.grace
+        return engine.submit(run_job, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
+
+    def _kept(self, future: Future[Finished | None], slot: int) -> Record | None:
+        """Write what came of a job, or what is known of one that came to nothing."""
         try:
-            return future.result()
-        except TimeoutError as error:
-            stop_reason, cause = HUNG, f"the process was ended after {error.args[1]:g} s"
+            finished = future.result()
         except Exception as error:
-            stop_reason, cause = CRASHED, f"the process died: {error!r}, exit code {getattr(error, 'exitcode', None)}"
-        record = broken(self.problems[slot], self.bench, stop_reason, self.board.seconds(slot), cause)
-        append(record, self.bench.folder / RESULTS)
+            finished = Finished(self._broken(slot, error), {})
+        if finished is None:
+            return None
+        folder = self.folder / finished.record.name
+        shutil.rmtree(folder, ignore_errors=True)
+        for name, content in finished.files.items():
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_bytes(content)
+        append(finished.record, self.folder / RESULTS)
+        return finished.record
+
+    def _broken(self, slot: int, error: Exception) -> Record:
         self.board.finish(slot)
-        return record
+        job = self.jobs[slot]
+        if isinstance(error, TimeoutError):
+            seconds = job.method.time_limit + self.conduct.grace
+            return job.broken(HUNG, seconds, f"the process was ended after {seconds:g} s")
+        code = getattr(error, "exitcode", None)
+        return job.broken(CRASHED, self.board.seconds(slot), f"the process died: {error!r}, exit code {code}")
 
 
 @contextmanager

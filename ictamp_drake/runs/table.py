@@ -33,7 +33,7 @@ def report(records: Sequence[Record]) -> Group:
         steps = sum(record.low_level_steps for record in records)
         parts += [Text(), _failures(failures, steps)]
     for record in records:
-        if not record.solved:
+        if not record.solved and (record.error is not None or not record.strategy):
             parts += [Text(), *unsolved(record)]
     return Group(*parts)
 
@@ -68,7 +68,13 @@ def figures(records: Sequence[Record]) -> list[str]:
 
 
 def _groups(records: Sequence[Record]) -> Iterator[tuple[str, list[Record]]]:
-    """All, and then the groups by kind of interference when there are any."""
+    """By level and strategy when there are any, else by kind of interference when there is any, and all."""
+    if any(record.strategy for record in records):
+        groups: dict[str, list[Record]] = {}
+        for record in records:
+            groups.setdefault(f"{record.level}  {record.strategy}", []).append(record)
+        yield from groups.items()
+        return
     kinds = sorted({kind for record in records for kind in record.interference})
     if kinds:
         plain = [record for record in records if not record.interference]

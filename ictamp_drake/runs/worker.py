@@ -1,19 +1,19 @@
-"""What a worker process does: solve one problem after the other, each to a record on the disk."""
+"""What a worker process does: solve one problem after the other. It leaves nothing on the disk."""
 
-import shutil
 import traceback
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.runs.artefacts import Artefacts, write_artefacts
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.folder import RESULTS
 from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.pool import end_with_parent
-from ictamp_drake.runs.records import Record, append, record_of
-from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.runs.pool import CONTEXT, end_with_parent
+from ictamp_drake.runs.records import Record, record_of, run_name
+from ictamp_drake.runs.solve import Solution, prepare, solve
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.live import LiveView
 
@@ -26,9 +26,9 @@ class Problem:
     """A scene file to be solved.
 
     Attributes:
-        name: of its record and folder.
+        name: of its record.
         path: of the scene file.
-        level: easy, medium or hard; None for a scene of one's own.
+        level: e.g. easy; None for a scene of one's own.
     """
 
     name: str
@@ -37,20 +37,47 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Bench:
-    """What all problems of a run have in common.
+class Job:
+    """A problem and how it is to be solved.
 
     Attributes:
-        folder: of the run.
-        method: how problems are solved.
-        artefacts: what is kept of each.
-        meshcat: whether to show what is planned.
+        problem: the problem.
+        method: options and seed.
+        strategy: name of the method, empty when there is only one.
     """
 
-    folder: Path
+    problem: Problem
     method: Method
-    artefacts: Artefacts
-    meshcat: bool
+    strategy: str = ""
+
+    @property
+    def name(self) -> str:
+        """Of its record and folder."""
+        return run_name(self.problem.name, self.strategy, self.method.seed)
+
+    def broken(self, reason: str, seconds: float, error: str) -> Record:
+        """The record of a job that did not come to its end."""
+        return Record(
+            problem=self.problem.name,
+            strategy=self.strategy,
+            level=self.problem.level,
+            seed=self.method.seed,
+            stop_reason=reason,
+            planning_time_s=round(seconds, 4),
+            error=error,
+        )
+
+
+class Finished(NamedTuple):
+    """What came of a job.
+
+    Attributes:
+        record: of it.
+        files: what is kept besides, content by name.
+    """
+
+    record: Record
+    files: dict[str, bytes]
 
 
 class _Process:
@@ -60,53 +87,58 @@ class _Process:
     view: LiveView | None = None
 
 
-def start_worker(board: Board, bench: Bench) -> None:
-    """Make a process ready: loads what would be loaded in the midst of the first problem, and never outlives a run."""
+def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
+    """Make a process ready: loads what would be loaded in the midst of the first problem, and never outlives a run.
+
+    Args:
+        board: to tell progress and hear the word to stop; None where no memory is shared.
+        learned: whether trained networks will be needed.
+        meshcat: whether to show what is planned.
+    """
     import ictamp_drake.symbolic.pddl  # noqa: PLC0415
 
-    if bench.method.learned:
+    if learned:
         import ictamp_drake.learning.models  # noqa: F401, PLC0415
     end_with_parent()
-    _Process.board = board
-    if bench.meshcat:
+    _Process.board = board or Board(CONTEXT, 1)
+    if meshcat:
         _Process.view = LiveView()
-        board.url = _Process.view.url
+        _Process.board.url = _Process.view.url
 
 
-def run_problem(slot: int, problem: Problem, bench: Bench) -> Record | None:
-    """Solve a problem, write what it leaves and then its record; None when the run was stopped before it began."""
+def run_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
+    """Solve a problem; None when the run was stopped before it began.
+
+    Args:
+        slot: of the job on the board.
+        job: the problem and its method.
+        artefacts: what is kept.
+    """
     board = _Process.board
     if board.stopping:
         return None
     board.start(slot)
-    folder = bench.folder / problem.name
-    shutil.rmtree(folder, ignore_errors=True)
-    record = None
+    record, files = None, dict[str, bytes]()
     try:
-        task = prepare(problem.path, bench.method)
-        solution = solve(task, bench.method, _listeners(slot, task.spec), lambda: board.stopping)
-        record = record_of(problem.name, problem.level, bench.method.seed, solution)
-        write_artefacts(solution, folder, bench.artefacts)
+        task = prepare(job.problem.path, job.method)
+        solution = solve(task, job.method, _listeners(board, slot, task.spec), lambda: board.stopping)
+        record = record_of(job.problem.name, job.strategy, job.problem.level, job.method.seed, solution)
+        files = _artefacts(solution, job.problem.name, artefacts)
     except Exception:
-        record = record or broken(problem, bench, CRASHED, board.seconds(slot), "")
+        record = record or job.broken(CRASHED, board.seconds(slot), "")
         record = replace(record, error=traceback.format_exc())
-    append(record, bench.folder / RESULTS)
     board.finish(slot)
-    return record
+    return Finished(record, files)
 
 
-def broken(problem: Problem, bench: Bench, reason: str, seconds: float, error: str) -> Record:
-    """The record of a problem that did not come to its end."""
-    return Record(
-        problem=problem.name,
-        level=problem.level,
-        seed=bench.method.seed,
-        stop_reason=reason,
-        planning_time_s=round(seconds, 4),
-        error=error,
-    )
+def _artefacts(solution: Solution, name: str, which: Artefacts) -> dict[str, bytes]:
+    with TemporaryDirectory() as parent:
+        folder = Path(parent) / name
+        folder.mkdir()
+        write_artefacts(solution, folder, which)
+        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-def _listeners(slot: int, spec: SceneSpec) -> list[Listener]:
+def _listeners(board: Board, slot: int, spec: SceneSpec) -> list[Listener]:
     shown = [] if _Process.view is None else [_Process.view.listener(spec)]
-    return [partial(_Process.board.tell, slot), *shown]
+    return [partial(board.tell, slot), *shown]

@@ -1,7 +1,7 @@
 """The run folder: new ones, continued ones, and all that cannot be continued."""
 
 import os
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +14,7 @@ from ictamp_drake.runs.options import Conduct, Method, Planners
 from ictamp_drake.world.simulate import PhysicsConfig
 
 WORK = {"program": "packing", "level": "easy"}
+OPTIONS = {"options": asdict(Method())}
 
 
 @pytest.fixture(autouse=True)
@@ -22,7 +23,8 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def start(method: Method | None = None, work: dict[str, object] | None = None, **conduct: object) -> Path:
-    with opened("packing-easy", work or WORK, method or Method(), Conduct(**conduct)) as folder:  # type: ignore[arg-type]
+    about = {**(work or WORK), "options": asdict(method or Method())}
+    with opened("packing-easy", about, Conduct(**conduct)) as folder:  # type: ignore[arg-type]
         return folder
 
 
@@ -35,9 +37,9 @@ def test_a_new_run_gets_a_folder_of_its_own() -> None:
 def test_every_session_is_noted() -> None:
     out = Path("out")
     start(out=out)
-    start(out=out, workers=1)
+    start(out=out, grace=7.0)
     config = yaml.safe_load((out / "config.yaml").read_text())
-    assert [session["conduct"]["workers"] for session in config["sessions"]] == [Conduct().workers, 1]
+    assert [session["conduct"]["grace"] for session in config["sessions"]] == [Conduct().grace, 7.0]
     assert config["options"]["skills"]["draws"] == Method().skills.draws
 
 
@@ -114,7 +116,7 @@ def test_an_option_that_the_old_run_did_not_know_is_named() -> None:
 def test_a_folder_in_use_is_refused() -> None:
     conduct = Conduct(out=Path("out"))
     with (
-        opened("packing-easy", WORK, Method(), conduct),
+        opened("packing-easy", {**WORK, **OPTIONS}, conduct),
         pytest.raises(IctampError, match="another process is at work"),
     ):
         start(out=Path("out"))
@@ -125,8 +127,27 @@ def test_how_a_run_is_carried_out_may_change() -> None:
     out = Path("out")
     start(out=out)
     for conduct in (replace(Conduct(out=out), artefacts="none"), Conduct(out=out, grace=1.0, resume=True)):
-        with opened("packing-easy", WORK, Method(), conduct) as folder:
-            assert folder == out
+        assert start(**vars(conduct)) == out
+
+
+def compared(**strategies: float) -> dict[str, object]:
+    """What a comparison is about, of which each strategy has one option."""
+    return {"program": "runner", "strategies": {name: {"time_limit": limit} for name, limit in strategies.items()}}
+
+
+def test_strategies_may_be_added_but_not_changed() -> None:
+    conduct = Conduct(out=Path("out"))
+    for strategies in ({"els": 60.0, "stap": 60.0}, {"els": 60.0, "uniform": 60.0}):
+        with opened("runner", compared(**strategies), conduct):
+            pass
+    config = yaml.safe_load(Path("out/config.yaml").read_text())
+    assert list(config["strategies"]) == ["els", "stap", "uniform"]
+    assert len(config["sessions"]) == 2
+    with (
+        pytest.raises(IctampError, match=r"strategies.stap.time_limit 30.0, since it was made with 60.0"),
+        opened("runner", compared(stap=30.0), conduct),
+    ):
+        pass
 
 
 def test_a_torn_record_is_dropped_when_a_run_is_continued() -> None:

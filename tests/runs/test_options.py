@@ -9,6 +9,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.stap import StapConfig
+from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.options import Conduct, Estimators, Generators, Method, Planners, Samplers, choices, chosen
 from ictamp_drake.skills.policy import PolicyConfig
 
@@ -99,7 +100,7 @@ def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) 
         lambda: Method(generator="depth-first"),
         lambda: Method(planner="breadth-first"),
         lambda: Method(max_expansions=0),
-        lambda: Conduct(workers=0),
+        lambda: EngineConfig(workers=0),
         lambda: Conduct(grace=-1.0),
     ],
 )
@@ -124,4 +125,4 @@ def test_missing_checkpoints_are_noticed_before_a_run(method: Method, missing: s
 
 
 def test_the_live_view_takes_one_worker() -> None:
-    assert Conduct(meshcat=True, workers=4).workers == 1
+    assert Conduct(meshcat=True, engine=EngineConfig(workers=4)).engine.workers == 1

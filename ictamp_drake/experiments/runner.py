@@ -1,0 +1,80 @@
+"""All strategies on all problems, under equal conditions: the rows of the paper's Table 1 and more.
+
+`python -m ictamp_drake.experiments.runner --regime paper --strategies p-score adaptive --levels hard --seeds 0 1`
+
+Problem after problem, each with every strategy and seed, so that what is done at any moment is a fair comparison. The
+same command with --out FOLDER goes on where it was interrupted, and may add strategies, levels and seeds.
+"""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Annotated
+
+import tyro
+
+from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
+from ictamp_drake.runs.options import Conduct, one_of
+from ictamp_drake.runs.program import Work, main
+from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.scenes.checks import check_choice, check_range
+from ictamp_drake.scenes.levels import LEVELS, problem_files
+
+
+@dataclass(frozen=True)
+class Runner:
+    """Compare strategies on the packing problems.
+
+    Attributes:
+        regime: what all strategies have in common, and which are run by default.
+        strategies: names, or NAME="OPTIONS" with options of the packing program.
+        levels: of the problems.
+        problems: number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
+        seeds: of the search.
+        conduct: how the run is carried out.
+    """
+
+    regime: Annotated[str, one_of(tuple(REGIMES))] = "paper"
+    strategies: Annotated[tuple[str, ...], one_of(tuple(STRATEGIES))] = ()
+    levels: Annotated[tuple[str, ...], one_of(tuple(LEVELS))] = tuple(LEVELS)
+    problems: str = ":"
+    seeds: tuple[int, ...] = (0,)
+    conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct(artefacts="none")
+
+    def __post_init__(self) -> None:
+        check_choice("regime", self.regime, REGIMES)
+        check_range("number of seeds", len(self.seeds), 1, 1000)
+        for seed in self.seeds:
+            check_range("seeds", seed, 0, 2**63 - 1)
+
+
+def work(options: Runner) -> Work:
+    """Every problem with every strategy and seed.
+
+    Raises:
+        IctampError: no such level, problems or strategy.
+    """
+    by_strategy = methods(options.regime, options.strategies, options.seeds)
+    jobs = [
+        Job(problem, method, strategy)
+        for problem in _problems(options)
+        for strategy, seeded in by_strategy.items()
+        for method in seeded
+    ]
+    strategies = {name: _seedless(asdict(seeded[0])) for name, seeded in by_strategy.items()}
+    about = {"program": "runner", "regime": options.regime, "strategies": strategies}
+    return Work(f"runner-{options.regime}", about, jobs, options.conduct)
+
+
+def _problems(options: Runner) -> Iterator[Problem]:
+    for level in options.levels:
+        for path in problem_files(level, options.problems):
+            yield Problem(f"{level}-{path.stem}", path, level)
+
+
+def _seedless(options: dict[str, object]) -> dict[str, object]:
+    return {name: value for name, value in options.items() if name != "seed"}
+
+
+if __name__ == "__main__":
+    sys.exit(main("ictamp_drake.experiments.runner", Runner, work))

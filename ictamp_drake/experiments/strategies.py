@@ -1,0 +1,84 @@
+"""The rows of the experiments: strategies by name, and the regimes under which they are compared."""
+
+import shlex
+from collections.abc import Mapping, Sequence
+
+import tyro
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.options import Method
+
+STRATEGIES: dict[str, str] = {
+    "p-score": "--planner completion-tree --estimator p-score",
+    "q-value": "--planner completion-tree --estimator q-value",
+    "q-product": (
+        "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
+        "--estimators.q-value.best"
+    ),
+    "constant": "--planner completion-tree --estimator constant",
+    "monte-carlo": "--planner completion-tree --estimator monte-carlo",
+    "adaptive": "--planner adaptive --estimator p-score",
+    "round-robin": "--planner round-robin --estimator constant",
+    "els-3-1": "--planner els --planners.els.p-w 3 --planners.els.p-c 1 --estimator constant",
+    "els-1-1": "--planner els --planners.els.p-w 1 --planners.els.p-c 1 --estimator constant",
+    "els-q": "--planner els --planners.els.weighted --estimator q-value",
+    "uniform": "--planner uniform --estimator constant",
+    "stap": "--planner stap --estimator q-value",
+    "uniform-k": "--planner completion-tree --estimator p-score --sampler uniform",
+    "uniform-k-constant": "--planner completion-tree --estimator constant --sampler uniform",
+    "optimisation-constant": "--planner completion-tree --estimator constant --sampler optimisation",
+}
+"""Options of each strategy; those that ask no estimator name the cheapest one."""
+
+REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "paper": (
+        "--skills.draws 1 --samplers.policy.candidates 1 --time-limit 120 --max-steps 600",
+        (
+            "p-score",
+            "q-value",
+            "q-product",
+            "constant",
+            "round-robin",
+            "els-3-1",
+            "els-1-1",
+            "els-q",
+            "stap",
+            "adaptive",
+        ),
+    ),
+    "default": ("--time-limit 60", ("p-score", "adaptive", "optimisation-constant")),
+}
+"""Options that all strategies share, and which are run unless told otherwise.
+
+Paper: one draw of k a step, which is not drawn anew when it has no motion. Default: the options of the package."""
+
+
+def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Mapping[str, list[Method]]:
+    """For each strategy by name its method, once with each seed.
+
+    Args:
+        regime: name of a regime.
+        strategies: names of strategies, or NAME=OPTIONS for one that has no name yet; by default those of the regime.
+        seeds: of the search.
+
+    Raises:
+        IctampError: no such strategy.
+    """
+    shared, usual = REGIMES[regime]
+    named = [_named(strategy) for strategy in strategies or usual]
+    return {
+        name: [tyro.cli(Method, args=[*shlex.split(f"{shared} {options}"), "--seed", str(seed)]) for seed in seeds]
+        for name, options in named
+    }
+
+
+def _named(strategy: str) -> tuple[str, str]:
+    name, defined, options = strategy.partition("=")
+    if defined and name and "/" not in name:
+        return name, options
+    if strategy not in STRATEGIES:
+        raise IctampError(
+            f"strategies has '{strategy}', but must have names from {', '.join(STRATEGIES)}, or NAME=OPTIONS, e.g. "
+            f'"mine=--planner els --planners.els.p-w 2"'
+        )
+    return strategy, STRATEGIES[strategy]

@@ -1,0 +1,64 @@
+"""Where tasks run: in processes of this machine or of a Ray cluster, each of which can die or hang alone."""
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, Literal, Protocol, TypeVar
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.pool import isolated
+from ictamp_drake.scenes.checks import check_range
+
+T = TypeVar("T")
+
+
+class Engine(Protocol):
+    """Runs tasks in isolated processes."""
+
+    def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
+        """What a process will return; TimeoutError after so many seconds, another exception when it died."""
+
+
+@dataclass(frozen=True)
+class EngineConfig:
+    """Where tasks run.
+
+    Attributes:
+        engine: local, processes of this machine; ray, those of a Ray cluster, one a core (`pip install
+            "ictamp_drake[ray]"`).
+        workers: processes of this machine.
+        ray_address: of the cluster, e.g. 10.0.0.1:6379; by default RAY_ADDRESS, a cluster that runs on this machine,
+            or a new one on it.
+    """
+
+    engine: Literal["local", "ray"] = "local"
+    workers: int = min(2, os.cpu_count() or 1)
+    ray_address: str | None = None
+
+    def __post_init__(self) -> None:
+        check_range("workers", self.workers, 1, 1024)
+
+    def check(self) -> None:
+        """Raise IctampError when the engine is not installed."""
+        if self.engine == "ray" and find_spec("ray") is None:
+            raise IctampError("engine is 'ray', which is not installed: pip install \"ictamp_drake[ray]\"")
+
+    @contextmanager
+    def start(self, tasks: int, start: Callable[..., None], *arguments: Any) -> Iterator[Engine]:
+        """The engine at work, which ends with the block.
+
+        Args:
+            tasks: so many are expected; no more workers are started.
+            start: called in each process with the arguments before its first task; calls `end_with_parent`.
+        """
+        if self.engine == "local":
+            with isolated(min(self.workers, tasks), start, *arguments) as pool:
+                yield pool
+        else:
+            from ictamp_drake.runs.cluster import connected  # noqa: PLC0415  (an optional package)
+
+            with connected(self.ray_address, start, *arguments) as cluster:
+                yield cluster

@@ -1,0 +1,70 @@
+"""The comparison of strategies as its users run it."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+import yaml
+
+from ictamp_drake.experiments.runner import Runner, work
+from ictamp_drake.runs import program
+from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
+from ictamp_drake.runs.records import read_records
+from tests.runs.programs import run
+
+QUICK = "--planner round-robin --estimator constant --max-steps 1 --time-limit 200"
+
+
+def compare(folder: Path, *arguments: str) -> str:
+    done = run("experiments.runner", "--out", "out", *arguments, folder=folder)
+    assert done.returncode == COMPLETE, done.stderr
+    return done.stdout
+
+
+def test_a_comparison_can_be_widened_and_repeats_nothing(tmp_path: Path) -> None:
+    first = ("--strategies", f"one={QUICK}", "--levels", "easy", "--problems", "0:2")
+    assert "2 problems to solve, 0 done before" in compare(tmp_path, *first)
+    wider = ("--strategies", f"one={QUICK}", f"two={QUICK} --sampler uniform", "--levels", "easy", "hard")
+    output = compare(tmp_path, *wider, "--problems", "0:2", "--seeds", "0", "7")
+    assert "14 problems to solve, 2 done before" in output
+    assert "easy  one" in output
+    assert "hard  two" in output
+    lines = [json.loads(line) for line in (tmp_path / "out" / "results.jsonl").read_text().splitlines()]
+    assert len(lines) == 16
+    counts = Counter((line["strategy"], line["seed"], line["level"]) for line in lines)
+    assert set(counts.values()) == {2}
+    assert len(read_records(tmp_path / "out" / "results.jsonl")) == 16
+    config = yaml.safe_load((tmp_path / "out" / "config.yaml").read_text())
+    assert list(config["strategies"]) == ["one", "two"]
+    assert config["strategies"]["two"]["sampler"] == "uniform"
+
+
+def test_problems_take_turns_with_all_strategies() -> None:
+    jobs = work(Runner(strategies=("adaptive", "stap"), levels=("easy",), problems="0:2", seeds=(0, 1))).jobs
+    assert [job.name for job in jobs[:5]] == [
+        "adaptive/0/easy-000",
+        "adaptive/1/easy-000",
+        "stap/0/easy-000",
+        "stap/1/easy-000",
+        "adaptive/0/easy-001",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--strategies", "best"), "strategies has 'best', but must have names from p-score, q-value, "),
+        (("--regime", "product"), "regime is 'product', but must be one of: paper, default"),
+        (("--levels", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard"),
+        (("--seeds", "-1"), "seeds is -1, but must be between 0 and"),
+        (("--seeds",), "number of seeds is 0, but must be between 1 and 1000"),
+    ],
+)
+def test_bad_options_are_refused_in_one_sentence(
+    arguments: tuple[str, ...], sentence: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ["--out", str(tmp_path / "out"), *arguments]
+    assert program.main("ictamp_drake.experiments.runner", Runner, work, options) == BAD_INPUT
+    assert capsys.readouterr().err.startswith(sentence)
+    assert not (tmp_path / "out").exists()

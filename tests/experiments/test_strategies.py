@@ -1,0 +1,41 @@
+"""The rows of the experiments: their options, and what else can be named."""
+
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_every_strategy_has_options_that_are_understood(regime: str) -> None:
+    found = methods(regime, list(STRATEGIES), [0])
+    assert list(found) == list(STRATEGIES)
+    assert len({repr(method) for (method,) in found.values()}) == len(STRATEGIES)
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_a_regime_has_usual_strategies(regime: str) -> None:
+    assert list(methods(regime, (), [0])) == list(REGIMES[regime][1])
+
+
+def test_the_papers_regime_draws_once_and_limits_time_and_steps() -> None:
+    for (method,) in methods("paper", (), [0]).values():
+        assert method.skills.draws == method.samplers.policy.candidates == 1
+        assert (method.time_limit, method.max_steps) == (120.0, 600)
+
+
+def test_a_strategy_is_run_with_every_seed() -> None:
+    seeded = methods("default", ["adaptive"], [3, 5])["adaptive"]
+    assert [method.seed for method in seeded] == [3, 5]
+
+
+def test_a_strategy_of_ones_own_is_named_with_its_options() -> None:
+    (mine,) = methods("default", ["mine=--planner els --planners.els.p-w 2"], [0])["mine"]
+    assert mine.planner == "els"
+    assert mine.planners.els.p_w == 2
+
+
+@pytest.mark.parametrize("name", ["best", "a/b=--planner els", "=--planner els"])
+def test_what_is_no_strategy_is_refused_with_the_names_that_are(name: str) -> None:
+    with pytest.raises(IctampError, match=r"strategies has '.*', but must have names from p-score, .* or NAME=OPTIONS"):
+        methods("paper", [name], [0])
