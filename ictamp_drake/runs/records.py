@@ -4,14 +4,17 @@ import dataclasses
 import json
 import os
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import ActionReport, StopReason
 from ictamp_drake.runs.solve import Solution
+
+K = TypeVar("K")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +23,7 @@ class Record:
 
     Attributes:
         problem: its name, and that of its folder.
+        strategy: name of the method, empty in a run of one method.
         level: easy, medium or hard; None for a scene of one's own.
         interference: kinds of interference of the boxes outside the goal.
         seed: the run's seed.
@@ -32,6 +36,7 @@ class Record:
             Drake, search and verification. Importing modules and writing files are not in it.
         high_level_plans: plans opened.
         low_level_steps: runs of a skill.
+        steps_by_depth: how many of these started from a node of depth 0, 1, ...
         plan_length: skills in the plan, None when unsolved.
         failures: failed low-level steps by cause.
         rejections: parameters k that were refused, by cause, before the last one of their step.
@@ -43,6 +48,7 @@ class Record:
     """
 
     problem: str
+    strategy: str = ""
     level: str | None
     seed: int
     interference: tuple[str, ...] = ()
@@ -52,6 +58,7 @@ class Record:
     planning_time_s: float
     high_level_plans: int = 0
     low_level_steps: int = 0
+    steps_by_depth: tuple[int, ...] = ()
     plan_length: int | None = None
     failures: dict[str, int] = field(default_factory=dict)
     rejections: dict[str, int] = field(default_factory=dict)
@@ -81,6 +88,7 @@ def record_of(problem: str, level: str | None, seed: int, solution: Solution) ->
         planning_time_s=_rounded(solution.planning_time_s),
         high_level_plans=result.high_level_plans,
         low_level_steps=result.low_level_steps,
+        steps_by_depth=result.steps_by_depth,
         plan_length=len(result.actions) if result.solved and result.actions is not None else None,
         failures=_named(result.failures),
         rejections=_named(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
@@ -117,20 +125,35 @@ def read_records(path: Path) -> dict[str, Record]:
     Raises:
         IctampError: when a line is not a record.
     """
-    records: dict[str, Record] = {}
+    return _last(path, lambda record: record.problem)
+
+
+def read_all(path: Path) -> list[Record]:
+    """The last record of each strategy, seed and problem, in the order in which they were written.
+
+    Raises:
+        IctampError: when a line is not a record.
+    """
+    return list(_last(path, lambda record: (record.strategy, record.seed, record.problem)).values())
+
+
+def _last(path: Path, key: Callable[[Record], K]) -> dict[K, Record]:
+    records: dict[K, Record] = {}
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     for number, line in enumerate(lines, 1):
         try:
             record = _parse(json.loads(line))
         except (ValueError, TypeError, KeyError) as error:
             raise IctampError(f"{path}: line {number} is not a record: {error}") from error
-        records.pop(record.problem, None)
-        records[record.problem] = record
+        records.pop(key(record), None)
+        records[key(record)] = record
     return records
 
 
 def _parse(values: dict[str, Any]) -> Record:
-    return Record(**values | {"interference": tuple(values["interference"]), "load": tuple(values["load"])})
+    interference, load = tuple(values["interference"]), tuple(values["load"])
+    depths = tuple(values.get("steps_by_depth", ()))
+    return Record(**values | {"interference": interference, "load": load, "steps_by_depth": depths})
 
 
 def _named(counts: Counter[Failure]) -> dict[str, int]:

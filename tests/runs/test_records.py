@@ -1,5 +1,7 @@
 """results.jsonl: what is written is read back, whatever interrupts the writing."""
 
+import dataclasses
+import json
 from pathlib import Path
 
 import pytest
@@ -7,12 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.records import Record, append, drop_torn_line, read_records
+from ictamp_drake.runs.records import Record, append, drop_torn_line, read_all, read_records
 
 counts = st.dictionaries(st.text(max_size=8), st.integers(0, 99), max_size=3)
 records = st.builds(
     Record,
     problem=st.text(min_size=1, max_size=8),
+    strategy=st.text(max_size=5),
     level=st.none() | st.text(max_size=5),
     seed=st.integers(0, 2**63 - 1),
     interference=st.lists(st.text(max_size=5), max_size=3).map(tuple),
@@ -20,6 +23,7 @@ records = st.builds(
     verified=st.none() | st.booleans(),
     stop_reason=st.sampled_from(["SOLVED", "STOPPED", "CRASHED"]),
     planning_time_s=st.floats(0, 1e6),
+    steps_by_depth=st.lists(st.integers(0, 99), max_size=4).map(tuple),
     plan_length=st.none() | st.integers(0, 50),
     failures=counts,
     blocked=st.dictionaries(st.text(max_size=8), counts, max_size=3),
@@ -55,9 +59,26 @@ def test_the_last_record_of_a_problem_counts(tmp_path: Path) -> None:
     assert read_records(path)["a"].solved
 
 
+def test_the_last_record_of_a_strategy_a_seed_and_a_problem_counts(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    written = [record("a"), record("a", strategy="x"), record("a", seed=1), record("a", strategy="x", solved=True)]
+    for each in written:
+        append(each, path)
+    assert read_all(path) == [written[0], written[2], written[3]]
+
+
+def test_records_from_before_steps_had_depths_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    values = dataclasses.asdict(record("a"))
+    del values["steps_by_depth"], values["strategy"]
+    path.write_text(json.dumps(values) + "\n")
+    assert read_all(path) == [record("a", load=values["load"])]
+
+
 def test_no_file_holds_no_records(tmp_path: Path) -> None:
     drop_torn_line(tmp_path / "results.jsonl")
     assert read_records(tmp_path / "results.jsonl") == {}
+    assert read_all(tmp_path / "results.jsonl") == []
 
 
 @pytest.mark.parametrize("line", ["no json", "[]", "{}", '{"problem": "a", "colour": 1}'])
