@@ -104,6 +104,12 @@ class PlanningResult(Generic[C]):
         return len(self.tree.steps)
 
     @property
+    def steps_by_depth(self) -> tuple[int, ...]:
+        """How many steps started from a node of depth 0, 1, ... up to the deepest one that was tried."""
+        depths = Counter(self.tree.nodes[step.node].depth for step in self.tree.steps)
+        return tuple(depths[depth] for depth in range(max(depths, default=-1) + 1))
+
+    @property
     def failures(self) -> Counter[Failure]:
         """Failed steps by cause."""
         return Counter(step.attempt.failure for step in self.tree.steps if step.attempt.failure is not None)

@@ -6,12 +6,14 @@ import os
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import ActionReport, StopReason
 from ictamp_drake.runs.solve import Solution
+
+K = TypeVar("K")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +35,7 @@ class Record:
             Drake, search and verification. Importing modules and writing files are not in it.
         high_level_plans: plans opened.
         low_level_steps: runs of a skill.
+        steps_by_depth: how many of these started from a node of depth 0, 1, ...
         plan_length: skills in the plan, None when unsolved.
         failures: failed low-level steps by cause.
         rejections: parameters k that were refused, by cause, before the last one of their step.
@@ -54,6 +57,7 @@ class Record:
     planning_time_s: float
     high_level_plans: int = 0
     low_level_steps: int = 0
+    steps_by_depth: tuple[int, ...] = ()
     plan_length: int | None = None
     failures: dict[str, int] = field(default_factory=dict)
     rejections: dict[str, int] = field(default_factory=dict)
@@ -94,6 +98,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         planning_time_s=_rounded(solution.planning_time_s),
         high_level_plans=result.high_level_plans,
         low_level_steps=result.low_level_steps,
+        steps_by_depth=result.steps_by_depth,
         plan_length=len(result.actions) if result.solved and result.actions is not None else None,
         failures=_named(result.failures),
         rejections=_named(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
@@ -143,7 +148,9 @@ def read_records(path: Path) -> dict[str, Record]:
 
 
 def _parse(values: dict[str, Any]) -> Record:
-    return Record(**values | {"interference": tuple(values["interference"]), "load": tuple(values["load"])})
+    interference, load = tuple(values["interference"]), tuple(values["load"])
+    depths = tuple(values.get("steps_by_depth", ()))
+    return Record(**values | {"interference": interference, "load": load, "steps_by_depth": depths})
 
 
 def _named(counts: Counter[Failure]) -> dict[str, int]:

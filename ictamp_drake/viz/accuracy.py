@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,9 +11,9 @@ from matplotlib.ticker import PercentFormatter
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.learning.accuracy import Accuracy, advantage, resampled
 from ictamp_drake.learning.metrics import bins
+from ictamp_drake.viz.figures import GRID, LABEL, write_figures
 
 CLOSER, FARTHER, OTHERS = "#1f6fb4", "#d1652b", ("#444444", "#7b4ea3", "#b08d00", "#3b8f6b", "#c0508c", "#8a8a8a")
-LABEL, GRID = "#333333", "#dddddd"
 WIDTH, HEIGHT = 4.6, 3.6  # of a panel [in]
 NARROW = 2.9  # side of a panel of a reliability diagram [in]
 SHARE_BINS = 20
@@ -27,12 +26,7 @@ def draw_all(accuracies: Sequence[Accuracy], folder: Path) -> list[str]:
         **{f"reliability_{each.skill}.png": lambda each=each: reliability(each) for each in accuracies},  # type: ignore[misc]
         "ground_truth.png": lambda: ground_truth(accuracies),
     }
-    with mpl.rc_context(
-        {"font.size": 9, "axes.edgecolor": LABEL, "axes.spines.top": False, "axes.spines.right": False}
-    ):
-        for name, draw in pictures.items():
-            draw().savefig(folder / name, dpi=120, facecolor="white")
-    return list(pictures)
+    return write_figures(pictures, folder)
 
 
 def figure_3(accuracies: Sequence[Accuracy]) -> Figure:

@@ -56,11 +56,19 @@ def test_the_seconds_are_those_of_the_skills_and_of_the_planners_own_stages() ->
     assert result.seconds_by_stage["verification"] == pytest.approx(0.001)
 
 
+def test_steps_are_counted_by_the_depth_that_they_started_from() -> None:
+    assert toy_planner(ToyWorld(size=(2, 2))).run().steps_by_depth == (1, 1, 1, 1)
+    blocked = toy_planner(replace(WALLED, walls=((0, 1), (1, 0))), steps=9).run()
+    assert blocked.steps_by_depth == (9,)
+    assert toy_planner(WALLED, steps=0).run().steps_by_depth == ()
+
+
 def test_counts_agree_with_the_tree() -> None:
     result = toy_planner(ToyWorld(size=(2, 2), success=0.4)).run()
     summary = result.tree.summary()
     assert result.high_level_plans == summary["high_level_plans"]
     assert result.low_level_steps == summary["low_level_steps"]
+    assert sum(result.steps_by_depth) == summary["low_level_steps"]
     assert result.failures.total() == summary["low_level_failures"]
 
 

@@ -10,3 +10,7 @@ def test_a_table_is_a_heading_a_rule_and_its_rows() -> None:
         "| easy | 55 |",
         "| hard | 17 |",
     ]
+
+
+def test_more_columns_can_stand_on_the_left() -> None:
+    assert table(["a", "b", "c"], [], left=2)[1] == "| --- | --- | ---: |"

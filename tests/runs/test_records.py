@@ -1,5 +1,7 @@
 """results.jsonl: what is written is read back, whatever interrupts the writing."""
 
+import dataclasses
+import json
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ counts = st.dictionaries(st.text(max_size=8), st.integers(0, 99), max_size=3)
 records = st.builds(
     Record,
     problem=st.text(min_size=1, max_size=8),
+    strategy=st.text(max_size=5),
     level=st.none() | st.text(max_size=5),
     seed=st.integers(0, 2**63 - 1),
     interference=st.lists(st.text(max_size=5), max_size=3).map(tuple),
@@ -20,6 +23,7 @@ records = st.builds(
     verified=st.none() | st.booleans(),
     stop_reason=st.sampled_from(["SOLVED", "STOPPED", "CRASHED"]),
     planning_time_s=st.floats(0, 1e6),
+    steps_by_depth=st.lists(st.integers(0, 99), max_size=4).map(tuple),
     plan_length=st.none() | st.integers(0, 50),
     failures=counts,
     blocked=st.dictionaries(st.text(max_size=8), counts, max_size=3),
@@ -34,7 +38,7 @@ def record(problem: str, **values: object) -> Record:
     )  # type: ignore[arg-type]
 
 
-@given(written=st.lists(records, max_size=5, unique_by=lambda record: record.problem), torn=st.binary(max_size=20))
+@given(written=st.lists(records, max_size=5, unique_by=lambda record: record.name), torn=st.binary(max_size=20))
 def test_whole_lines_survive_a_torn_one(
     written: list[Record], torn: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
@@ -53,6 +57,23 @@ def test_the_last_record_of_a_problem_counts(tmp_path: Path) -> None:
         append(each, path)
     assert list(read_records(path)) == ["b", "a"]
     assert read_records(path)["a"].solved
+
+
+def test_the_last_record_of_a_strategy_a_seed_and_a_problem_counts(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    written = [record("a", strategy=strategy, seed=seed) for strategy, seed in (("x", 0), ("y", 0), ("x", 1), ("y", 0))]
+    for each in written:
+        append(each, path)
+    assert list(read_records(path)) == ["x/0/a", "x/1/a", "y/0/a"]
+    assert list(read_records(path).values()) == [written[0], written[2], written[3]]
+
+
+def test_records_from_before_steps_had_depths_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    values = dataclasses.asdict(record("a"))
+    del values["steps_by_depth"], values["strategy"]
+    path.write_text(json.dumps(values) + "\n")
+    assert read_records(path) == {"a": record("a", load=values["load"])}
 
 
 def test_no_file_holds_no_records(tmp_path: Path) -> None:

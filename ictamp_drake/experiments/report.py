@@ -1,0 +1,112 @@
+"""Tables, pictures and a page of what runs of several strategies show (paper, Experiments: Table 1, Figures 2 and 3).
+
+`python -m ictamp_drake.experiments.report --runs benchmarks/results/paper benchmarks/results/default`
+"""
+
+import os
+import shlex
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs import results_table
+from ictamp_drake.runs.command import COMPLETE, command
+from ictamp_drake.runs.files import write_whole
+from ictamp_drake.runs.regime import Regime, read_regime
+from ictamp_drake.runs.results_page import Chapter, page
+from ictamp_drake.scenes.checks import check_choice
+from ictamp_drake.viz.curves import success
+from ictamp_drake.viz.effort import depths, stages
+from ictamp_drake.viz.figures import write_figures
+from ictamp_drake.viz.gallery import examples, gallery
+
+NAME = "ictamp_drake.experiments.report"
+
+
+@dataclass(frozen=True)
+class Report:
+    """Say what runs of several strategies show, and what they do not.
+
+    Attributes:
+        runs: folders of runs, a regime each, named by the folder.
+        out: folder for tables and pictures; the page gets its name with the suffix .md.
+        against: strategy that all others are held against, by default the first one of the first folder. A folder
+            without it takes its own first one.
+        accuracy: picture of the estimators' accuracy, for which the page has a place when it is there.
+    """
+
+    runs: tuple[Path, ...]
+    out: Path = Path("docs/results")
+    against: str | None = None
+    accuracy: Path = Path("benchmarks/estimator_accuracy/figure_3.png")
+
+
+def report(options: Report, console: Console, typed: str) -> int:
+    """Read all runs, then write the page, its tables and its pictures; returns the exit code.
+
+    Raises:
+        IctampError: a folder holds no runs or broken ones, two have the same name, or no strategy has the name.
+    """
+    regimes, out = _regimes(options.runs), options.out
+    against = _against(options.against, regimes)
+    out.mkdir(parents=True, exist_ok=True)
+    chapters = [_chapter(regime, against, out) for regime in regimes]
+    write_figures({"figure_2.png": lambda: gallery(examples())}, out)
+    rows = [row for each in regimes for row in results_table.table_1(each.name, each.runs)] + results_table.published()
+    write_whole(out / "table_1.csv", results_table.as_csv(rows))
+    write_whole(out / "table_1.tex", results_table.latex(rows))
+    files = {"figure_2": f"{out.name}/figure_2.png"}
+    files |= {name: f"{out.name}/{name}" for name in ("table_1.csv", "table_1.tex")}
+    if options.accuracy.is_file():
+        files["figure_3"] = os.path.relpath(options.accuracy, out.parent)
+    write_whole(out.with_name(f"{out.name}.md"), page(chapters, typed, files))
+    console.print(f"{out}.md, with tables and pictures in {out}", soft_wrap=True)
+    return COMPLETE
+
+
+def _chapter(regime: Regime, against: str, out: Path) -> Chapter:
+    """Compare the strategies of a regime, and write its pictures."""
+    figures: dict[str, Callable[[], Figure]] = {
+        "success": partial(success, regime.runs, regime.time_limit),
+        "stages": partial(stages, regime.runs),
+    }
+    if regime.runs["depths"].map(len).any():
+        figures["depths"] = partial(depths, regime.runs)
+    write_figures({f"{regime.name}_{what}.png": draw for what, draw in figures.items()}, out)
+    pictures = {what: f"{out.name}/{regime.name}_{what}.png" for what in figures}
+    return Chapter.create(regime, against if against in regime.strategies else regime.strategies[0], pictures)
+
+
+def _regimes(folders: Sequence[Path]) -> list[Regime]:
+    if not folders:
+        raise IctampError("runs: no folder is given, but there must be at least one")
+    regimes = [read_regime(folder) for folder in folders]
+    names = [regime.name for regime in regimes]
+    for name in names:
+        if names.count(name) > 1:
+            raise IctampError(f"runs: {names.count(name)} folders are named {name!r}, but names must be different")
+    return regimes
+
+
+def _against(given: str | None, regimes: Sequence[Regime]) -> str:
+    known = list(dict.fromkeys(name for regime in regimes for name in regime.strategies))
+    if given is not None:
+        check_choice("against", given, known)
+    return given or known[0]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The program; returns its exit code."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    typed = shlex.join(["python", "-m", NAME, *given])
+    return command(NAME, Report, lambda options, console: report(options, console, typed), "Interrupted.", given)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,156 @@
+"""The folder of a run as what a report is made of: a table with a row a run, and how the runs were made."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.planning.result import StopReason
+from ictamp_drake.runs.folder import CONFIG, RESULTS
+from ictamp_drake.runs.records import Record, read_records
+from ictamp_drake.scenes.levels import LEVELS
+
+UNNAMED, OWN = "unnamed", "own scenes"
+"""Strategy of records without one, and level of problems without one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regime:
+    """Runs under equal conditions.
+
+    Attributes:
+        name: of the folder.
+        runs: a row a run, see `tabulated`.
+        about: how they were made: what it is, and its value.
+        time_limit: of every run [s]; None when it is not known or not the same for all.
+    """
+
+    name: str
+    runs: pd.DataFrame
+    about: dict[str, str]
+    time_limit: float | None
+
+    @property
+    def strategies(self) -> list[str]:
+        """In the order in which their first records were written."""
+        return list(self.runs["strategy"].cat.categories)
+
+
+def read_regime(folder: Path) -> Regime:
+    """The finished runs of a folder.
+
+    Raises:
+        IctampError: the folder holds no records or no finished one, or a file in it is not what it should be.
+    """
+    if not (folder / RESULTS).is_file():
+        runs = sorted(path.parent.name for path in folder.parent.glob(f"*/{RESULTS}"))
+        choices = f"the folders beside it that do are: {', '.join(runs)}" if runs else "nor does any folder beside it"
+        raise IctampError(f"runs: {folder} holds no {RESULTS}; {choices}")
+    records = list(read_records(folder / RESULTS).values())
+    finished = [record for record in records if record.stop_reason != StopReason.STOPPED.name]
+    if not finished:
+        raise IctampError(f"{folder / RESULTS}: holds no finished run; interrupted ones: {len(records)}")
+    config = _config(folder / CONFIG)
+    limits = {float(value) for value in _values(config, "time_limit") if isinstance(value, int | float)}
+    limit = limits.pop() if len(limits) == 1 else None
+    about = {"runs": _counted(records, finished), **_about(config, finished)}
+    return Regime(folder.resolve().name, tabulated(finished, limit), about, limit)
+
+
+def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.DataFrame:
+    """A row a run, sorted by level, strategy, problem and seed.
+
+    Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended; `counted`, the same, but the
+    time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, nan when
+    unsolved; `interference`; and as in the record `failures`, `stages` and `depths`.
+    """
+    strategies = [record.strategy or UNNAMED for record in records]
+    levels = [record.level or OWN for record in records]
+    runs = pd.DataFrame(
+        {
+            "strategy": pd.Categorical(strategies, list(dict.fromkeys(strategies))),
+            "level": pd.Categorical(levels, sorted(set(levels), key=_rank)),
+            "problem": [record.problem for record in records],
+            "seed": [record.seed for record in records],
+            "solved": [record.solved for record in records],
+            "seconds": [record.planning_time_s for record in records],
+            "plans": [record.high_level_plans for record in records],
+            "steps": [record.low_level_steps for record in records],
+            "failed": [sum(record.failures.values()) for record in records],
+            "length": [np.nan if record.plan_length is None else record.plan_length for record in records],
+            "interference": [record.interference for record in records],
+            "failures": [record.failures for record in records],
+            "stages": [record.seconds_by_stage for record in records],
+            "depths": [record.steps_by_depth for record in records],
+        }
+    )
+    runs["counted"] = runs["seconds"] if time_limit is None else runs["seconds"].where(runs["solved"], time_limit)
+    return runs.sort_values(["level", "strategy", "problem", "seed"], ignore_index=True)
+
+
+def _rank(level: str) -> tuple[int, str]:
+    """Easy to hard, and then all others."""
+    return ([*LEVELS, level].index(level), level)
+
+
+def _config(path: Path) -> dict[str, Any]:
+    """What is known of how the runs were made, nothing when there is no such file."""
+    try:
+        config = yaml.safe_load(path.read_text(encoding="utf-8")) if path.exists() else {}
+    except yaml.YAMLError as error:
+        raise IctampError(f"{path}: is not YAML: {' '.join(str(error).split())}") from error
+    if not isinstance(config, dict):
+        raise IctampError(f"{path}: is {config!r}, but must be a mapping")
+    return config
+
+
+def _values(config: Any, key: str) -> Iterator[Any]:
+    """All values of a key, however deep it is."""
+    if isinstance(config, dict):
+        yield from [config[key]] if key in config else []
+        for value in config.values():
+            yield from _values(value, key)
+    elif isinstance(config, list):
+        for value in config:
+            yield from _values(value, key)
+
+
+def _counted(records: Sequence[Record], finished: Sequence[Record]) -> str:
+    broken = sum(record.error is not None and not record.solved for record in finished)
+    stopped = len(records) - len(finished)
+    parts = [str(len(finished))]
+    parts += [f"{broken} of them broke down and count as unsolved"] if broken else []
+    parts += [f"{stopped} more were interrupted and are left out"] if stopped else []
+    return "; ".join(parts)
+
+
+def _about(config: dict[str, Any], records: Sequence[Record]) -> dict[str, str]:
+    """Program, commit, machine, load and limits; no paths, which differ between machines."""
+    load = [record.load[0] for record in records if record.load]
+    named = {
+        "program": _listed(config, "program"),
+        "commit": re.sub(r"\b([0-9a-f]{10})[0-9a-f]{30}\b", r"\1", _listed(config, "commit")),
+        "drake": _listed(config, "drake"),
+        "cores": _listed(config, "cores"),
+        "workers": _listed(config, "workers"),
+        "load": f"{np.median(load):.1f} ({min(load):.1f} to {max(load):.1f})" if load else "",
+        "time limit of a run [s]": _listed(config, "time_limit"),
+        "limit of low-level steps": _listed(config, "max_steps"),
+        "seeds": ", ".join(str(seed) for seed in sorted({record.seed for record in records})),
+    }
+    return {name: value or "not known" for name, value in named.items()}
+
+
+def _listed(config: dict[str, Any], key: str) -> str:
+    """Its different values, in order of appearance; empty when there is none."""
+    shown = (
+        "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+        for value in _values(config, key)
+    )
+    return ", ".join(dict.fromkeys(shown))

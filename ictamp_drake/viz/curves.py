@@ -1,0 +1,84 @@
+"""Pictures of how many problems strategies solve within a time, and within a number of low-level steps.
+
+Runs are the rows of `runs.regime.tabulated`.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMethodFormatter
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.viz.figures import GRID
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Told apart by everybody (Okabe and Ito 2008)."""
+DASHES: tuple[tuple[float, tuple[float, ...]], ...] = ((0, ()), (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
+WIDTH, HEIGHT = 3.6, 2.6  # of a panel [in]
+BEYOND = 1.25
+"""How far curves go on, in multiples of where the longest run ends."""
+
+
+def success(runs: pd.DataFrame, time_limit: float | None) -> Figure:
+    """Share of runs that are solved within t seconds (above) and n low-level steps (below), a column a level.
+
+    Curves reach to the time limit [s], or beyond the longest run where it is not known; a step that had begun, and its
+    verification, may end later.
+    """
+    levels = list(runs["level"].cat.categories)
+    figure = Figure(figsize=(max(5.0, WIDTH * len(levels)), 2 * HEIGHT + 0.4), layout="constrained")
+    grid = figure.subplots(2, len(levels), squeeze=False, sharey=True)
+    for level, (above, below) in zip(levels, grid.T, strict=True):
+        part = runs[runs["level"] == level]
+        _panel(above, part, "seconds", time_limit or BEYOND * part["seconds"].max())
+        _panel(below, part, "steps", BEYOND * part["steps"].max())
+        above.set(title=f"{level}, problems: {part['problem'].nunique()}", xlabel="time [s]")
+        below.set(xlabel="low-level steps")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("share solved")
+    handles = grid[0, 0].get_lines()
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), frameon=False)
+    return figure
+
+
+def _panel(axes: Axes, runs: pd.DataFrame, figure: str, end: float) -> None:
+    """A curve a strategy, also for one that did not run here, so that all panels have the same lines."""
+    least, most = runs.loc[runs["solved"], figure].agg(["min", "max"])
+    end = max(end, most)  # the end itself when most is nan
+    for name, (colour, dash) in zip(runs["strategy"].cat.categories, styles(), strict=False):
+        of = runs[runs["strategy"] == name]
+        reached, share = curve(of.loc[of["solved"], figure].to_numpy(np.float64), len(of), end)
+        axes.step(reached, share, where="post", color=colour, ls=dash, lw=1.6, label=name)
+    if least > 0:
+        axes.set(xscale="log", xlim=(least / BEYOND, end))
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_ylim(0, 1.03)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+    axes.grid(color=GRID, lw=0.5)
+
+
+def curve(solved: FloatArray, runs: int, end: float) -> tuple[FloatArray, FloatArray]:
+    """Where the share of solved runs jumps, and to what; it starts with 0 and ends at `end`.
+
+    Args:
+        solved: time or steps of the solved runs, in any order.
+        runs: all of them.
+        end: last place of the curve, none of them lies behind it.
+    """
+    places = np.sort(solved)
+    shares = np.arange(1, len(places) + 1) / max(1, runs)
+    last = shares[-1] if len(shares) else 0.0
+    return np.array([0.0, *places, end]), np.array([0.0, *shares, last])
+
+
+def styles() -> Iterator[tuple[str, tuple[float, tuple[float, ...]]]]:
+    """Colour and dashes of each strategy, in their order."""
+    number = 0
+    while True:
+        yield COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
+        number += 1
