@@ -1,6 +1,6 @@
 // The drawing. Everything has its final place from the start, and is hidden until it has happened.
 
-const ROW = 40, RADIUS = 10, SHELF = 190, MARGIN = 26;  // sizes in the drawing [pixels]
+const ROW = 40, RADIUS = 10, SHELF = 205, MARGIN = 26;  // sizes in the drawing [pixels]
 const LETTER = 6.4;  // width of a letter of a label [pixels]
 const MIN_SCALE = 0.72, MAX_SCALE = 1.25;  // of the drawing
 
@@ -73,12 +73,14 @@ const others = svg("text", {x: SHELF - 10, y: MARGIN + shelf.length * 20 + 4, "t
 const drawing = svg("svg", {}, ...plans, others, ...stubs, ...nodes.toReversed());
 by_id("tree").append(drawing);
 
+// Show the whole, or what is legible of it, as wide as the pane.
 function fit() {
   const width = SHELF + 2 * MARGIN + layout.depth * COLUMN;
   const height = 2 * MARGIN + Math.max(ROW * Math.max(...layout.levels), 20 * shelf.length);
   const pane = by_id("tree");
-  const room = Math.min((pane.clientWidth - 1) / width, (pane.clientHeight - 1) / height);
-  const scale = Math.max(MIN_SCALE, Math.min(MAX_SCALE, room));
+  const across = (pane.clientWidth - 1) / width, down = (pane.clientHeight - 1) / height;
+  const whole = Math.min(across, down, MAX_SCALE);
+  const scale = whole >= MIN_SCALE ? whole : Math.max(MIN_SCALE, Math.min(1, across));
   fill(drawing, {viewBox: `0 0 ${width} ${height}`, width: width * scale, height: height * scale}, []);
 }
 
