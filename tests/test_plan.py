@@ -66,7 +66,8 @@ def test_the_output_names_result_and_replay(done: subprocess.CompletedProcess[st
 def test_the_folder_holds_everything(folder: Path, record: Record) -> None:
     problem = folder / "first" / record.problem
     files = {path.name for path in problem.iterdir()}
-    assert files == {"scene.yaml", "plan.yaml", "tree.json", "tree.svg", "scene.png", "replay.html"}
+    pictures = {"tree.svg", "growth.svg", "scene.png", "replay.html", "search.html"}
+    assert files == {"scene.yaml", "plan.yaml", "tree.json", *pictures}
     assert load_scene(problem / "scene.yaml") == load_scene(folder / "scene.yaml")
     assert json.loads((problem / "tree.json").read_text())["solution"] is not None
     assert (problem / "scene.png").read_bytes().startswith(b"\x89PNG")

@@ -7,11 +7,14 @@ from typing import Any, Literal
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.runs.files import write_whole
 from ictamp_drake.runs.plan_file import Plan, write_plan
+from ictamp_drake.runs.recording import record_steps
 from ictamp_drake.runs.replay import starts
 from ictamp_drake.runs.solve import Solution
 from ictamp_drake.scenes.spec import save_scene
+from ictamp_drake.viz.growth import draw_growth
 from ictamp_drake.viz.picture import scene_png
 from ictamp_drake.viz.replay import plan_captions, replay_html
+from ictamp_drake.viz.search_page import search_html
 from ictamp_drake.viz.tree import draw_tree
 
 Artefacts = Literal["all", "plan", "none"]
@@ -35,10 +38,13 @@ def _write_pictures(solution: Solution, folder: Path) -> None:
     tree = result.tree.to_dict(_configuration_to_dict)
     write_whole(folder / "tree.json", json.dumps(tree))
     draw_tree(tree, folder / "tree.svg", folder.name)
+    draw_growth(tree, folder / "growth.svg")
     scene_png(task.spec, task.c, folder / "scene.png")
     if solution.replay is not None and result.plan is not None:
         captions = plan_captions(result.plan, starts(result.plan))
         replay_html(task.spec, solution.replay.frames, captions, folder / "replay.html")
+    recordings = record_steps(task.physics, result.tree)
+    search_html(task.spec, result.tree, recordings, folder / "search.html", folder.name)
 
 
 def _configuration_to_dict(c: Configuration) -> dict[str, Any]:

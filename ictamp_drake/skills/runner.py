@@ -1,6 +1,6 @@
 """One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,7 +19,7 @@ from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import Pick, PickConfig
 from ictamp_drake.skills.place import Place, PlaceConfig
 from ictamp_drake.world.abstraction import Abstraction
-from ictamp_drake.world.simulate import Physics
+from ictamp_drake.world.simulate import Frame, Outcome, Physics
 from ictamp_drake.world.world import World
 
 
@@ -91,8 +91,8 @@ class Skills:
             return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail)
         try:
             with stopwatch.stage("physics"):
-                outcome = self.physics.run(c, plan, watch=_Grip(action.args[0]))
-        except RuntimeError as error:  # the contact solver diverges in a few jammed situations
+                outcome = execute(self.physics, c, action, plan)
+        except RuntimeError as error:
             sentence = str(error).partition(".")[0]
             return Attempt(action, Failure.NOT_SETTLED, None, k, plan, rejections, stopwatch.seconds, sentence)
         with stopwatch.stage("abstraction"):
@@ -125,6 +125,21 @@ class Skills:
                 return k, plan, tuple(refusal.failure for refusal in refusals)
             refusals.append(plan)
         return k, refusals[-1], tuple(refusal.failure for refusal in refusals[:-1])
+
+
+def execute(
+    physics: Physics,
+    c: Configuration,
+    action: Action,
+    motion: Motion,
+    record: Callable[[Frame], None] | None = None,
+) -> Outcome:
+    """f of one low-level step: run its motion from c, to the end or until the box is not between the fingers.
+
+    Raises:
+        RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
+    """
+    return physics.run(c, motion, watch=_Grip(action.args[0]), record=record)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,10 @@
-"""What is added to Meshcat's page: texts that follow the animation, and controls that are open from the start."""
+"""Meshcat's static page with something added: what replay.html and search.html share, and the texts of a replay."""
 
 import json
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 
 class Caption(NamedTuple):
@@ -15,8 +16,29 @@ class Caption(NamedTuple):
 
 
 def add_captions(page: str, captions: Sequence[Caption]) -> str:
-    """Meshcat's static page with the captions in it."""
-    overlay = files("ictamp_drake.viz").joinpath("overlay.html").read_text(encoding="utf-8")
-    data = json.dumps([[round(c.start, 3), round(c.end, 3), c.text] for c in captions]).replace("<", "\\u003c")
+    """Meshcat's static page with texts that follow the animation, and controls that are open from the start."""
+    data = [[round(c.start, 3), round(c.end, 3), c.text] for c in captions]
+    return add_to_body(page, resource("overlay.html").replace("[/* captions */]", to_script(data)))
+
+
+def resource(name: str) -> str:
+    """Text of a file of this package."""
+    return files("ictamp_drake.viz").joinpath(name).read_text(encoding="utf-8")
+
+
+def to_script(data: Any) -> str:
+    """Data in the types of JSON as a JavaScript expression that may stand in a page."""
+    return json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def add_to_body(page: str, html: str) -> str:
+    """The page with something at the end of its body."""
     head, body, tail = page.rpartition("</body>")
-    return head + overlay.replace("[/* captions */]", data) + body + tail
+    return head + html + body + tail
+
+
+def write_page(page: str, path: Path) -> None:
+    """Write a page; it appears whole or not at all."""
+    temporary = path.with_name(f".{path.name}.partial")
+    temporary.write_text(page, encoding="utf-8")
+    temporary.replace(path)

@@ -4,22 +4,18 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydrake.geometry import MeshcatAnimation
-from pydrake.math import RigidTransform
 
-from ictamp_drake.core.types import Attempt, FloatArray
+from ictamp_drake.core.types import Attempt
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.viz.keyframes import keyframes, same_hemisphere
-from ictamp_drake.viz.page import Caption, add_captions
+from ictamp_drake.viz.page import Caption, add_captions, write_page
 from ictamp_drake.viz.stage import Stage, start_meshcat
+from ictamp_drake.viz.tracks import tracks
+from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.simulate import Frame
 
 TICKS = 1000
 """Resolution of times in the page [1/s]."""
-
-TOLERANCE = 5e-4
-"""How far from the recording a shown pose may be: position [m], components of the unit quaternion."""
 
 
 def plan_captions(attempts: Sequence[Attempt[Any]], starts: Sequence[float]) -> list[Caption]:
@@ -52,27 +48,13 @@ def replay_html(spec: SceneSpec, frames: Sequence[Frame], captions: Sequence[Cap
     stage = Stage(spec, meshcat)
     stage.show(frames[0].c)
     meshcat.SetAnimation(_animation(stage, frames))
-    page = add_captions(meshcat.StaticHtml(), captions)
-    temporary = path.with_name(f".{path.name}.partial")
-    temporary.write_text(page, encoding="utf-8")
-    temporary.replace(path)
+    write_page(add_captions(meshcat.StaticHtml(), captions), path)
 
 
 def _animation(stage: Stage, frames: Sequence[Frame]) -> MeshcatAnimation:
     animation = MeshcatAnimation(frames_per_second=TICKS)
     animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopOnce)
-    times = np.array([frame.time for frame in frames])
-    for path, poses in _tracks(stage, frames).items():
-        for index in keyframes(times, _numbers(poses), TOLERANCE):
-            animation.SetTransform(round(TICKS * times[index]), path, poses[index])
+    for path, track in tracks(stage, frames).items():
+        for time, pose in zip(track.times, track.poses, strict=True):
+            animation.SetTransform(round(TICKS * time), path, to_transform(pose))
     return animation
-
-
-def _tracks(stage: Stage, frames: Sequence[Frame]) -> dict[str, list[RigidTransform]]:
-    shown = [stage.poses(frame.c) for frame in frames]
-    return {path: [poses[path] for poses in shown] for path in shown[0]}
-
-
-def _numbers(poses: Sequence[RigidTransform]) -> FloatArray:
-    quaternions = np.array([X.rotation().ToQuaternion().wxyz() for X in poses])
-    return np.hstack([same_hemisphere(quaternions), [X.translation() for X in poses]])

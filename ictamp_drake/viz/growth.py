@@ -1,0 +1,109 @@
+"""Figure 1 over time: the tree of a search at a few moments, side by side, from the record of `Tree.to_dict`.
+
+Every item keeps its place from picture to picture; what is new since the picture before is dark, the rest is pale.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+
+from ictamp_drake.viz.layout import FOUND, LABEL, LINE, REFUSED, Layout, Record
+from ictamp_drake.viz.tree import save_picture
+
+COLUMN, ROW, MARGIN, HEADER = 0.42, 0.22, 0.2, 0.3  # sizes on paper [in]
+WIDTH = 13.0  # pictures that are wider together go to the next line [in]
+
+
+def draw_growth(tree: Record, path: Path, moments: int = 4) -> None:
+    """Write pictures of the tree after equal shares of the log, the last at its end, as SVG or PNG.
+
+    Args:
+        tree: what `Tree.to_dict` returned, or the same read from a file.
+        path: where to write.
+        moments: number of pictures; fewer when the log is shorter.
+    """
+    layout, log = Layout(tree), tree["log"]
+    ends = [-1, *sorted({round(len(log) * share / moments) for share in range(1, moments + 1)})]
+    width = max(layout.depth, 3) * COLUMN + 2 * MARGIN
+    height = max(layout.levels) * ROW + 2 * MARGIN + HEADER
+    columns = max(1, min(len(ends) - 1, int(WIDTH / width)))
+    lines = -(-(len(ends) - 1) // columns)
+    figure = Figure(figsize=(columns * width, lines * height))
+    for number, (before, now) in enumerate(pairwise(ends)):
+        line, column = divmod(number, columns)
+        axes = figure.add_axes((column / columns, 1 - (line + 1) / lines, 1 / columns, 1 / lines))
+        axes.set(xlim=(-MARGIN, width - MARGIN), ylim=(MARGIN + HEADER - height, MARGIN + HEADER))
+        axes.set_axis_off()
+        axes.text(-MARGIN / 2, HEADER, _heading(log[:now]), fontsize=7, va="center", color=LABEL)
+        _Moment(layout, axes, before, now, now == len(log)).draw()
+    save_picture(figure, path)
+
+
+def _heading(log: list[Record]) -> str:
+    plans = sum(entry["event"] == "opening" and entry["plan"] is not None for entry in log)
+    steps = sum(entry["event"] == "step" for entry in log)
+    return f"{steps} step{'s' * (steps != 1)}, {plans} plan{'s' * (plans != 1)}"
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """One picture, placed in inches from the root; y grows upwards.
+
+    Attributes:
+        layout: of the whole search.
+        axes: to draw on.
+        before: entries of the log at the picture before.
+        now: entries of the log at this one.
+        last: whether the search has ended, so that the way to the goal can be told.
+    """
+
+    layout: Layout
+    axes: Axes
+    before: int
+    now: int
+    last: bool
+
+    def draw(self) -> None:
+        """Draw all that exists by now."""
+        for number, stub in enumerate(self.layout.stubs, len(self.layout.nodes)):
+            if stub.born <= self.now:
+                self._draw_stub(stub.node, number, self._shade(stub.born))
+        for node in self.layout.nodes:
+            if self.layout.born[node["index"]] <= self.now:
+                self._draw_node(node)
+
+    def _shade(self, born: int) -> float:
+        """Opacity of what is as old as that."""
+        return 1.0 if born > self.before or self.last else 0.35
+
+    def _place(self, node: int) -> tuple[float, float]:
+        return self.layout.nodes[node]["depth"] * COLUMN, -self.layout.levels[node] * ROW
+
+    def _draw_edge(self, parent: int, x: float, y: float, **style: Any) -> None:
+        start, above = self._place(parent)
+        bend = start + 0.3 * COLUMN
+        self.axes.plot([start, bend, bend, x], [above, above, y, y], solid_joinstyle="round", zorder=1, **style)
+
+    def _draw_stub(self, node: int, item: int, shade: float) -> None:
+        x, y = self._place(node)[0] + 0.6 * COLUMN, -self.layout.levels[item] * ROW
+        self._draw_edge(node, x, y, color=LINE, lw=0.7, ls=(0, (3, 2)), alpha=shade)
+        self.axes.plot(x, y, marker="x", ms=4, mew=1.1, color=REFUSED, alpha=shade, zorder=2)
+
+    def _draw_node(self, node: Record) -> None:
+        index = node["index"]
+        shade, found = self._shade(self.layout.born[index]), self.last and index in self.layout.solution
+        color = FOUND if found else LABEL
+        x, y = self._place(index)
+        if node["parent"] is not None:
+            self._draw_edge(node["parent"], x, y, color=color, lw=1.8 if found else 0.9, alpha=shade)
+        self.axes.plot(x, y, marker="o", ms=9.5, color="white", zorder=2)
+        fill = to_rgba(self.layout.color(self.layout.plan_of.get(index)), shade)
+        edge = to_rgba(color, shade)
+        self.axes.plot(x, y, marker="o", ms=9.5, color=fill, mec=edge, mew=1.4 if found else 0.7, zorder=3)
+        alpha = max(shade, 0.5)
+        self.axes.text(x, y, str(index), ha="center", va="center_baseline", fontsize=5.2, alpha=alpha, zorder=4)

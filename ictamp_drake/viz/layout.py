@@ -1,0 +1,153 @@
+"""Where everything stands in a picture of a search, whoever draws it, from the record that `Tree.to_dict` writes.
+
+Depth runs to the right, so a rollout is a straight line. A stub stands for all failures of one action at one node.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+
+from ictamp_drake.core.failures import Failure
+
+Record = Mapping[str, Any]
+
+Color = tuple[float, float, float]
+
+LABEL, LINE, FOUND, REFUSED = "#333333", "#8a8a8a", "#1a8f3c", "#c62828"
+CAUSE_COLORS: dict[Failure, Color] = dict(
+    zip(Failure, mpl.colormaps["tab20"].colors[::2] + mpl.colormaps["Dark2"].colors, strict=False)  # type: ignore[attr-defined]
+)
+PLAN_COLORS: tuple[Color, ...] = mpl.colormaps["Pastel1"].colors[:8] + mpl.colormaps["Set3"].colors  # type: ignore[attr-defined]
+
+
+@dataclass(frozen=True)
+class Stub:
+    """All failures of one action at one node.
+
+    Attributes:
+        node: number of the node.
+        action: what was tried.
+        causes: how often it failed for which cause.
+        born: entries of the log up to the first failure.
+    """
+
+    node: int
+    action: str
+    causes: Counter[Failure]
+    born: int
+
+
+class Layout:
+    """The items of a search and their places.
+
+    Attributes:
+        nodes: of the record.
+        steps: entries of its log that are low-level steps.
+        stubs: in the order of their first failures.
+        solution: numbers of the nodes on the way to the verified plan's end.
+        labels: a short one for each action.
+        plan_of: for each node but the root the opened plan that its branch began with.
+        plans: numbers of the opened plans, None among them when a call brought none.
+        levels: row of each node, then of each stub; an item's column is its depth.
+        born: for each node how many entries of the log there are when it exists.
+        depth: of the deepest item.
+    """
+
+    def __init__(self, tree: Record) -> None:
+        self.nodes: list[Record] = tree["nodes"]
+        self.steps: list[Record] = [entry for entry in tree["log"] if entry["event"] == "step"]
+        self.stubs = _stubs(tree["log"])
+        self.solution = _ancestors(self.nodes, tree["solution"])
+        self.labels = abbreviations({step["action"] for step in self.steps})
+        self.plan_of = _opened_plans(self.steps)
+        self.plans: list[int | None] = list(
+            dict.fromkeys(entry["plan"] for entry in tree["log"] if entry["event"] == "opening")
+        )
+        parents = [node["parent"] for node in self.nodes] + [stub.node for stub in self.stubs]
+        self.levels = rows(parents, len(self.nodes), self.solution)
+        self.born = [0] + [number for number, entry in enumerate(tree["log"], 1) if entry.get("child") is not None]
+        depths = [node["depth"] for node in self.nodes]
+        self.depth = max(depths + [depths[stub.node] + 1 for stub in self.stubs])
+
+    def color(self, plan: int | None) -> Color:
+        """Of an opened plan and of the nodes whose branch began with it; the root's is white."""
+        return (1.0, 1.0, 1.0) if plan is None else PLAN_COLORS[self.plans.index(plan) % len(PLAN_COLORS)]
+
+
+def rows(parents: list[int | None], nodes: int, preferred: frozenset[int] = frozenset()) -> list[int]:
+    """The row of each item of a tree: a parent is level with its first child, and no two branches cross.
+
+    Args:
+        parents: for each item its parent, which comes before it; None for the root alone. Nodes come first, then stubs.
+        nodes: how many of the items are nodes.
+        preferred: nodes that become the first among their siblings; otherwise the order is that of the list.
+    """
+    children: defaultdict[int, list[int]] = defaultdict(list)
+    depths: list[int] = []
+    for item, parent in enumerate(parents):
+        depths.append(0 if parent is None else depths[parent] + 1)
+        if parent is not None:
+            children[parent].append(item)
+    offsets = [0] * len(parents)
+    # Lowest row of each branch in each zone: items of depth d are in zone 2 d, the lines that leave them in 2 d + 1.
+    bottoms: list[dict[int, int]] = [{} for _ in parents]
+    for item in reversed(range(len(parents))):
+        bottom = bottoms[item]
+        for child in _siblings(children[item], nodes, preferred):
+            offsets[child] = max((bottom[zone] + 1 for zone in bottoms[child] if zone in bottom), default=0)
+            bottom.update({zone: low + offsets[child] for zone, low in bottoms[child].items()})
+        zone = 2 * depths[item]
+        bottom[zone] = 0
+        if item < nodes:
+            bottom[zone + 1] = max((offsets[child] for child in children[item]), default=0)
+    levels = [0] * len(parents)
+    for item, parent in enumerate(parents):
+        levels[item] = offsets[item] + (0 if parent is None else levels[parent])
+    return levels
+
+
+def _siblings(items: list[int], nodes: int, preferred: frozenset[int]) -> list[int]:
+    """The first node level with its parent, then the stubs, so that they are near, then the other nodes."""
+    ordered = sorted(items, key=lambda item: (item not in preferred, item))
+    return ordered[:1] + sorted(ordered[1:], key=lambda item: (item < nodes, item))
+
+
+def abbreviations(actions: Iterable[str]) -> dict[str, str]:
+    """A short label for each action: objects lose what follows their first underscore where they stay distinct."""
+    parts = {action: action.rstrip(")").replace("(", ", ").split(", ") for action in actions}
+    objects = {name for _, *names in parts.values() for name in names}
+    heads = Counter(name.split("_")[0] for name in objects)
+    short = {name: head if heads[head := name.split("_")[0]] == 1 else name for name in objects}
+    return {
+        action: " ".join([name, *(short[o] for o in names if o)]).strip() for action, (name, *names) in parts.items()
+    }
+
+
+def _stubs(log: list[Record]) -> list[Stub]:
+    stubs: dict[tuple[int, str], Stub] = {}
+    for number, entry in enumerate(log, 1):
+        if (failure := entry.get("failure")) is not None:
+            node, action = entry["node"], entry["action"]
+            stub = stubs.setdefault((node, action), Stub(node, action, Counter(), number))
+            stub.causes[Failure[failure]] += 1
+    return list(stubs.values())
+
+
+def _ancestors(nodes: list[Record], node: int | None) -> frozenset[int]:
+    found: set[int] = set()
+    while node is not None:
+        found.add(node)
+        node = nodes[node]["parent"]
+    return frozenset(found)
+
+
+def _opened_plans(steps: list[Record]) -> dict[int, int]:
+    """For each node the opened plan that its branch began with."""
+    plans: dict[int, int] = {}
+    for step in steps:
+        if step["child"] is not None:
+            plans[step["child"]] = step["plan"] if step["node"] == 0 else plans[step["node"]]
+    return plans

@@ -1,0 +1,110 @@
+"""search.html: a search to step through, with the replay of any of its steps, in one file that needs nothing else.
+
+Meshcat's static page, which shows the scene, is in it once; the page's own JavaScript draws the tree from the record
+and moves the bodies by the tracks of the steps that lead to the node at hand.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_hex
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Attempt, Configuration
+from ictamp_drake.planning.tree import Step, Tree
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.viz.layout import CAUSE_COLORS, Layout, Record
+from ictamp_drake.viz.page import add_to_body, resource, to_script, write_page
+from ictamp_drake.viz.stage import Stage, start_meshcat
+from ictamp_drake.viz.tracks import Track, tracks
+from ictamp_drake.world.simulate import Frame
+
+TIME_UNIT, POSE_UNIT = 1e-3, 1e-4
+"""Tracks are whole numbers of these: time [s]; position [m] and components of the unit quaternion."""
+
+SCRIPTS = ("log", "tree", "facts", "player", "controls")
+"""Parts of the page's JavaScript, in their order."""
+
+
+def search_html(
+    spec: SceneSpec,
+    tree: Tree[Configuration],
+    recordings: Mapping[int, Sequence[Frame]],
+    path: Path,
+    title: str = "",
+) -> None:
+    """Write the page; it appears whole or not at all.
+
+    Args:
+        spec: the scene.
+        tree: what the search left.
+        recordings: of executed steps, by their place in the tree's log; a successful step without one is shown by
+            where it ended.
+        path: of the page.
+        title: name of the search.
+    """
+    meshcat = start_meshcat()
+    stage = Stage(spec, meshcat)
+    stage.show(tree.root.c)
+    data = {
+        "title": title,
+        "tree": (record := tree.to_dict()),
+        "layout": _layout(Layout(record)),
+        "failures": {f.name: {"sentence": str(f), "color": to_hex(CAUSE_COLORS[f])} for f in Failure},
+        "attempts": {n: _attempt(step.attempt) for n, step in enumerate(tree.log) if isinstance(step, Step)},
+        "scene": {
+            "bodies": list(stage.poses(tree.root.c)),
+            "units": [TIME_UNIT, POSE_UNIT],
+            "root": _motion(stage, [Frame(0.0, tree.root.c)]),
+            "motions": _motions(stage, tree, recordings),
+        },
+    }
+    scripts = "\n".join(resource(f"search/{name}.js") for name in SCRIPTS)
+    script = f"<script>const record = {to_script(data)};\n{scripts}</script>"
+    write_page(add_to_body(meshcat.StaticHtml(), resource("search/page.html") + script), path)
+
+
+def _layout(layout: Layout) -> Record:
+    nodes = range(len(layout.nodes))
+    return {
+        "levels": layout.levels,
+        "stubs": [{"node": stub.node, "action": stub.action} for stub in layout.stubs],
+        "labels": layout.labels,
+        "solution": sorted(layout.solution),
+        "colors": [to_hex(layout.color(layout.plan_of.get(node))) for node in nodes],
+        "plans": [{"plan": plan, "color": to_hex(layout.color(plan))} for plan in layout.plans if plan is not None],
+        "depth": layout.depth,
+    }
+
+
+def _attempt(attempt: Attempt[Configuration]) -> Record:
+    """What the record does not say of a step."""
+    return {
+        "seconds": round(sum(attempt.seconds.values()), 3),
+        "detail": attempt.detail,
+        "segments": [[segment.label, round(segment.duration, 3)] for segment in attempt.motion],
+    }
+
+
+def _motions(
+    stage: Stage, tree: Tree[Configuration], recordings: Mapping[int, Sequence[Frame]]
+) -> dict[int, dict[str, Any]]:
+    ends = {
+        number: [Frame(0.0, tree.nodes[entry.child].c)]
+        for number, entry in enumerate(tree.log)
+        if isinstance(entry, Step) and entry.child is not None
+    }
+    return {number: _motion(stage, frames) for number, frames in sorted({**ends, **recordings}.items())}
+
+
+def _motion(stage: Stage, frames: Sequence[Frame]) -> dict[str, Any]:
+    """Its end [s], and for each body times and poses of its keys in their units."""
+    return {"end": round(frames[-1].time, 3), "tracks": [_whole(track) for track in tracks(stage, frames).values()]}
+
+
+def _whole(track: Track) -> list[list[int]]:
+    times = np.rint(track.times / TIME_UNIT).astype(int)
+    poses = np.rint(track.poses / POSE_UNIT).astype(int)
+    return [times.tolist(), poses.ravel().tolist()]

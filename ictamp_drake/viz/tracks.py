@@ -1,0 +1,40 @@
+"""The poses of a recording, body by body, reduced to the moments that are needed to show it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.viz.keyframes import keyframes, same_hemisphere
+from ictamp_drake.viz.stage import Stage
+from ictamp_drake.world.poses import to_pose
+from ictamp_drake.world.simulate import Frame
+
+TOLERANCE = 5e-4
+"""How far from the recording a shown pose may be: position [m], components of the unit quaternion."""
+
+
+class Track(NamedTuple):
+    """How a body moves, straight from key to key.
+
+    Attributes:
+        times: of the keys, increasing [s], shape (n,).
+        poses: X_WB at the keys, shape (n, 7).
+    """
+
+    times: FloatArray
+    poses: FloatArray
+
+
+def tracks(stage: Stage, frames: Sequence[Frame]) -> dict[str, Track]:
+    """The track of every body that can move, by its path in Meshcat; a body that stands still has one key."""
+    times = np.array([frame.time for frame in frames])
+    shown = [stage.poses(frame.c) for frame in frames]
+    return {path: _track(times, np.array([to_pose(poses[path]) for poses in shown])) for path in shown[0]}
+
+
+def _track(times: FloatArray, poses: FloatArray) -> Track:
+    poses[:, :4] = same_hemisphere(poses[:, :4])
+    kept = keyframes(times, poses, TOLERANCE)
+    return Track(times[kept], poses[kept])

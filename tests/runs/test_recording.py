@@ -1,0 +1,48 @@
+"""The steps of a search, executed once more."""
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.planning.tree import Step
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.recording import record_steps
+from ictamp_drake.runs.solve import Solution, prepare, solve
+from ictamp_drake.skills.runner import execute
+from tests.runs.programs import SCENE
+
+
+@pytest.fixture(scope="module")
+def solution(tmp_path_factory: pytest.TempPathFactory) -> Solution:
+    path = tmp_path_factory.mktemp("recording") / "scene.yaml"
+    path.write_text(SCENE)
+    method = Method(time_limit=250)
+    return solve(prepare(path, method), method)
+
+
+def executed(solution: Solution) -> dict[int, Step[Configuration]]:
+    log = solution.result.tree.log
+    return {n: step for n, step in enumerate(log) if isinstance(step, Step) and step.attempt.motion}
+
+
+def test_a_recording_leads_from_node_to_child(solution: Solution) -> None:
+    recordings = record_steps(solution.task.physics, solution.result.tree)
+    steps = executed(solution)
+    assert recordings.keys() == steps.keys()
+    for number, frames in recordings.items():
+        assert frames[0].c is solution.result.tree.nodes[steps[number].node].c
+        assert frames[-1].c is steps[number].attempt.successor
+        assert np.all(np.diff([frame.time for frame in frames]) > 0)
+        jump = np.abs(frames[-1].c.q - frames[-2].c.q).max()
+        assert jump < 1e-3, "the recording ends where the search was"
+
+
+def test_a_step_executed_again_ends_in_the_same_configuration(solution: Solution) -> None:
+    for step in executed(solution).values():
+        c, attempt = solution.result.tree.nodes[step.node].c, step.attempt
+        assert execute(solution.task.physics, c, attempt.action, attempt.motion).c == attempt.successor
+
+
+def test_successes_come_first_when_there_are_too_many_steps(solution: Solution) -> None:
+    successes = [number for number, step in executed(solution).items() if step.child is not None]
+    assert list(record_steps(solution.task.physics, solution.result.tree, limit=1)) == successes[:1]
