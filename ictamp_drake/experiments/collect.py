@@ -11,8 +11,7 @@ import sys
 import time
 from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import asdict, dataclass, replace
-from functools import partial
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,7 +27,7 @@ from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.progress import clock
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.shards import Shards, summary
-from ictamp_drake.runs.walk import WalkConfig, walk
+from ictamp_drake.runs.walk import WalkConfig, write_walk
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.scenes.levels import parse_selection
 
@@ -113,11 +112,12 @@ def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Co
     """
     progress = _Progress(len(todo), console)
     spared: dict[int, list[int]] = {scene: [] for scene in todo}
-    here = replace(options, out=options.out.absolute())
+    out = options.out.absolute()
     with options.engine.start(len(todo), end_with_parent) as engine:
 
         def start(scene: int) -> Future[tuple[int, int]]:
-            return engine.submit(_walk_one, scene, here, spared[scene], timeout=options.limit)
+            how = options.seed, options.walk, spared[scene]
+            return engine.submit(write_walk, out, scene, *how, timeout=options.limit)
 
         pending = {start(scene): scene for scene in todo}
         while pending:
@@ -140,14 +140,6 @@ def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Co
                     shards.join(todo)
             progress.tell()
     return sum(map(len, spared.values()))
-
-
-def _walk_one(scene: int, options: Collect, spared: Sequence[int]) -> tuple[int, int]:
-    """Walk and write; returns how many attempts were made and how many of them executed."""
-    shards = Shards(options.out)
-    rows = walk(scene, options.seed, options.walk, spared=spared, begin=partial(shards.begin, scene))
-    shards.add(scene, rows)
-    return len(rows), sum(bool(row.attempt.motion) for row in rows)
 
 
 class _Progress:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Attempt, Configuration, State
 from ictamp_drake.learning.dataset import Row, scene_text
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.runs.shards import Shards
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.scenes.training import training_scene
@@ -247,3 +249,11 @@ class _Course:
             return ()
         self._domains[posture] = known
         return known.successors(state)
+
+
+def write_walk(out: Path, scene: int, seed: int, config: WalkConfig, spared: Collection[int]) -> tuple[int, int]:
+    """Walk through a scene and write the attempts to a folder; returns how many were made and how many executed."""
+    shards = Shards(out)
+    rows = walk(scene, seed, config, spared=spared, begin=partial(shards.begin, scene))
+    shards.add(scene, rows)
+    return len(rows), sum(bool(row.attempt.motion) for row in rows)

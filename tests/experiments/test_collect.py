@@ -14,7 +14,9 @@ from rich.console import Console
 
 from ictamp_drake.experiments import collect as program
 from ictamp_drake.learning.dataset import fingerprint, opened
+from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.shards import Shards
+from tests.runs.clusters import two_nodes
 from tests.runs.programs import command, environment, run
 
 SHORT = ("--walk.states", "2", "--walk.draws", "2")
@@ -98,9 +100,9 @@ def test_other_options_are_refused(collected: Path, capsys: pytest.CaptureFixtur
     assert "six" in capsys.readouterr().err
 
 
-def _die_here_and_there(scene: int, options: program.Collect, spared: Sequence[int]) -> tuple[int, int]:
+def _die_here_and_there(out: Path, scene: int, _seed: int, _walk: object, spared: Sequence[int]) -> tuple[int, int]:
     """Ten attempts; the process dies in the third of scene 4 and in all of scene 6, and hangs in the first of 5."""
-    shards = Shards(options.out)
+    shards = Shards(out)
     made = [attempt for attempt in range(10) if attempt not in spared]
     for attempt in made:
         shards.begin(scene, attempt)
@@ -115,8 +117,8 @@ def _die_here_and_there(scene: int, options: program.Collect, spared: Sequence[i
 def test_an_attempt_in_which_the_process_dies_or_hangs_costs_only_itself(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(program, "_walk_one", _die_here_and_there)
-    options = program.Collect(out=tmp_path, scenes="3:7", workers=1, limit=3.0)
+    monkeypatch.setattr(program, "write_walk", _die_here_and_there)
+    options = program.Collect(out=tmp_path, scenes="3:7", limit=3.0, engine=EngineConfig(workers=1))
     assert program.collect(options, Console(width=120)) == 1
     printed = capsys.readouterr().out
     assert "scene 4 is walked through again without attempt 2" in printed
@@ -125,3 +127,12 @@ def test_an_attempt_in_which_the_process_dies_or_hangs_costs_only_itself(
     assert "4 of 4 scenes, 28 attempts" in printed
     assert Shards(tmp_path).done() == {3, 4, 5, 6}
     assert not list((tmp_path / "parts").glob("*.attempt"))
+
+
+@pytest.mark.slow
+def test_on_a_cluster_it_is_the_same_data(collected: Path, tmp_path: Path) -> None:
+    with two_nodes() as cluster:
+        where = ("--engine", "ray", "--ray-address", cluster.address)
+        done = run("experiments.collect", "--scenes", "0:4", "--out", "data", *where, *SHORT, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert timeless(tmp_path / "data") == timeless(collected)
