@@ -44,7 +44,6 @@ METHODS: dict[str, dict[str, tuple[str, ...]]] = {
         "policy, Q": (*ONE_DRAW, "--sampler", "policy", "--estimator", "q-value"),
         "policy, constant": (*ONE_DRAW, "--sampler", "policy", "--estimator", "constant"),
         "uniform, P": (*ONE_DRAW, "--sampler", "uniform", "--estimator", "p-score"),
-        "uniform, constant": (*ONE_DRAW, "--sampler", "uniform", "--estimator", "constant"),
     },
 }
 """Options of each method, by regime."""

@@ -18,7 +18,7 @@ class BeliefsConfig:
     """Constants of the Beta beliefs.
 
     Attributes:
-        strength: attempts that the prior P is worth.
+        strength: attempts that the prior P is worth (`python benchmarks/beliefs.py`).
         transfer: what an attempt of the same action from another node is worth.
         floor: least prior, so that no step is ever given up.
         hope: P of an action before any of its name was estimated.

@@ -1,0 +1,59 @@
+"""How much an attempt should count against P: `python benchmarks/beliefs.py`, about two minutes.
+
+Attempts that were repeated from the same c tell how far a share of successes strays from P. Prints for each skill the
+strength of a Beta prior with mean P under which they are the likeliest, a constant of `planning.beliefs`, and for some
+strengths minus the log likelihood. The attempts are those of every ninth scene of data/outcomes, from which P learned.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+from scipy.stats import betabinom
+
+from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.p_score import PScoreConfig
+from ictamp_drake.learning.cases import read_cases
+from ictamp_drake.learning.checkpoint import SKILLS
+from ictamp_drake.learning.dataset import scene
+from ictamp_drake.runs.predictions import by_scene
+from ictamp_drake.world.world import World
+
+DATA = Path(__file__).parents[1] / "data" / "outcomes"
+EVERY = 9
+DRAWS = 2
+STRENGTHS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+
+
+def counted(skill: str) -> tuple[FloatArray, FloatArray]:
+    """P and the number of successes of each case, both of shape (n,)."""
+    cases = [case for case in read_cases(DATA, skill, DRAWS, "policy") if case.scene % EVERY == 0]
+    P, successes = list[float](), list[int]()
+    for group in by_scene(cases):
+        estimator = PScoreConfig().create(World(scene(group[0].spec)))
+        options = [(case.c, Skeleton((frozenset(), frozenset()), (case.action,))) for case in group]
+        P += estimator.estimate(options).tolist()
+        successes += [int(case.outcomes.sum()) for case in group]
+    return np.clip(P, 0.02, 0.98), np.array(successes, dtype=np.float64)
+
+
+def surprise(strength: float, P: FloatArray, successes: FloatArray) -> float:
+    """Minus the log likelihood of the successes."""
+    return -float(betabinom.logpmf(successes, DRAWS, strength * P, strength * (1 - P)).sum())
+
+
+def main() -> None:
+    """Print the table."""
+    print(f"{'':8}{'cases':>7}{'best':>7}" + "".join(f"{strength:>8g}" for strength in STRENGTHS))
+    together = np.zeros(len(STRENGTHS))
+    for skill in SKILLS:
+        P, successes = counted(skill)
+        best = minimize_scalar(lambda log, *data: surprise(np.exp(log), *data), (-3, 5), args=(P, successes))
+        losses = [surprise(strength, P, successes) for strength in STRENGTHS]
+        together += losses
+        print(f"{skill:8}{len(P):7}{np.exp(best.x):7.1f}" + "".join(f"{loss:8.1f}" for loss in losses))
+    print(f"{'both':8}{'':14}" + "".join(f"{loss:8.1f}" for loss in together))
+
+
+if __name__ == "__main__":
+    main()
