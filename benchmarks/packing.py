@@ -1,10 +1,10 @@
 """The figures of the constrained packing problems: `python benchmarks/packing.py`, about an hour on 2 cores.
 
-Solves all three levels with several methods, one after the other level by level. Regime "default": several k a step, of
-which the first that has a motion is executed, from the optimisation-based sampler and from the policy. Regime "paper":
-one draw of k a step, which is not drawn anew when it has no motion, and what policy and P buy there. A second call
-continues where the first one was interrupted. Plans of the default regime are executed once more with a step of 1 ms.
-Writes the records and a table to benchmarks/packing/REGIME/.
+Solves the paper's three levels with several methods, one after the other level by level. Regime "default": several k a
+step, of which the first that has a motion is executed, from the optimisation-based sampler and from the policy. Regime
+"paper": one draw of k a step, which is not drawn anew when it has no motion, and what policy and P buy there. A second
+call continues where the first one was interrupted. Plans of the default regime are executed once more with a step of
+1 ms. Writes the records and a table to benchmarks/packing/REGIME/.
 
 python benchmarks/packing.py --regime paper --levels easy medium
 """
@@ -25,7 +25,7 @@ import tyro
 from ictamp_drake.runs import markdown
 from ictamp_drake.runs.plan_file import read_plan
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.scenes.levels import LEVELS
+from ictamp_drake.scenes.levels import PAPER_LEVELS
 from ictamp_drake.world.simulate import PhysicsConfig
 
 ROOT = Path(__file__).parents[1]
@@ -56,12 +56,12 @@ class Options:
     Attributes:
         regime: default or paper.
         methods: of the regime, all by default.
-        levels: of the problems.
+        levels: of the problems, the paper's by default.
     """
 
     regime: Literal["default", "paper"] = "default"
     methods: tuple[str, ...] = ()
-    levels: tuple[str, ...] = tuple(LEVELS)
+    levels: tuple[str, ...] = tuple(PAPER_LEVELS)
 
 
 def run(regime: str, method: str, level: str) -> list[dict[str, Any]]:

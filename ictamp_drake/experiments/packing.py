@@ -1,4 +1,4 @@
-"""Constrained packing (paper, Experiments): rebuild a tower of two, three or four boxes on a rack.
+"""Constrained packing (paper, Experiments): rebuild a tower of two, three or four boxes on a rack, or build two.
 
 `python -m ictamp_drake.experiments.packing --level easy --problems 0:5`
 """
@@ -20,13 +20,13 @@ class Packing:
     """Plan, execute and record the constrained packing problems.
 
     Attributes:
-        level: difficulty, the number of boxes to pack.
+        level: difficulty, the number of boxes to pack; extreme is two towers of all six.
         problems: number of a problem or slice of the level's problems, e.g. 3, 0:5 or 10:.
         conduct: how the run is carried out.
         method: how problems are solved.
     """
 
-    level: Annotated[str, one_of(tuple(LEVELS))] = "easy"
+    level: Annotated[str, one_of(LEVELS)] = "easy"
     problems: str = ":"
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
     method: Annotated[Method, tyro.conf.arg(name="")] = Method()

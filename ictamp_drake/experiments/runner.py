@@ -18,7 +18,7 @@ from ictamp_drake.runs.options import Conduct, one_of
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.checks import check_choice, check_range
-from ictamp_drake.scenes.levels import LEVELS, problem_files
+from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Runner:
     Attributes:
         regime: what all strategies have in common, and which are run by default.
         strategies: names, or NAME="OPTIONS" with options of the packing program.
-        levels: of the problems.
+        levels: of the problems; by default those of the paper.
         problems: number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
         seeds: of the search.
         conduct: how the run is carried out.
@@ -36,7 +36,7 @@ class Runner:
 
     regime: Annotated[str, one_of(tuple(REGIMES))] = "paper"
     strategies: Annotated[tuple[str, ...], one_of(tuple(STRATEGIES))] = ()
-    levels: Annotated[tuple[str, ...], one_of(tuple(LEVELS))] = tuple(LEVELS)
+    levels: Annotated[tuple[str, ...], one_of(LEVELS)] = tuple(PAPER_LEVELS)
     problems: str = ":"
     seeds: tuple[int, ...] = (0,)
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct(artefacts="none")

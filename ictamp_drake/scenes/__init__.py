@@ -1,1 +1,1 @@
-"""Scenes as YAML files, and the packing problems of the three levels."""
+"""Scenes as YAML files, and the packing problems of each level."""

@@ -1,18 +1,21 @@
-"""The three levels of constrained packing, what their scenes consist of, and their committed problem files."""
+"""The levels of constrained packing, what their scenes consist of, and their committed problem files."""
 
+import itertools
 import re
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.scenes.checks import check_choice
-from ictamp_drake.scenes.spec import SupportSpec, Vector
+from ictamp_drake.scenes.layout import Spot, Stack
+from ictamp_drake.scenes.spec import BoxSpec, SupportSpec, Vector
 
 
 @dataclass(frozen=True)
 class Level:
-    """A level of difficulty.
+    """A level of difficulty in the paper.
 
     Attributes:
         tower: the boxes to pack, from the bottom up.
@@ -27,11 +30,16 @@ class Level:
     count: int
 
 
-LEVELS = {
+PAPER_LEVELS = {
     "easy": Level(("cyan_box", "yellow_box"), ("red_box", "blue_box"), (), 55),
     "medium": Level(("cyan_box", "yellow_box", "red_box"), ("blue_box",), (), 37),
     "hard": Level(("cyan_box", "yellow_box", "red_box", "blue_box"), (), ("green_box", "purple_box"), 17),
 }
+
+COUNTS = {**{name: level.count for name, level in PAPER_LEVELS.items()}, "extreme": 30}
+"""How many problem files of each level are committed; `extreme` is ours, and made by a generator of its own."""
+
+LEVELS = tuple(COUNTS)
 
 SIZES: dict[str, Vector] = {
     "yellow_box": (0.057, 0.057, 0.066),
@@ -57,6 +65,22 @@ SUPPORTS = {
 }
 
 
+def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]:
+    """The boxes of a stack that stands at a spot on a top face of height `floor` [m]."""
+    boxes = {}
+    for name, offset, z, rotation, _ in stack:
+        position = round(spot[0] + offset[0], 4), round(spot[1] + offset[1], 4), round(floor + z, 6)
+        boxes[name] = BoxSpec(size=SIZES[name], position=position, rotation=rotation, colour=COLOURS[name])
+    return boxes
+
+
+def goal_of(*towers: Sequence[str], tipped: Collection[str] = ()) -> str:
+    """The PDDL formula that all towers stand on the rack, given from the bottom up; tipped boxes lie in them."""
+    steps = [step for tower in towers for step in itertools.pairwise(("rack", *tower))]
+    atoms = [f"({'lying' if above in tipped else 'on'} {above} {below})" for below, above in steps]
+    return f"(and {' '.join(atoms)})"
+
+
 def problem_files(level: str, selection: str = ":") -> list[Path]:
     """The committed problem files of a level, e.g. those of the selection 0:5.
 
@@ -65,7 +89,7 @@ def problem_files(level: str, selection: str = ":") -> list[Path]:
     """
     check_choice("level", level, LEVELS)
     folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
-    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, LEVELS[level].count)]
+    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, COUNTS[level])]
 
 
 def parse_selection(selection: str, count: int) -> range:

@@ -1,4 +1,4 @@
-"""The generator of the constrained packing problems.
+"""The generator of the constrained packing problems; those of the level `extreme` are made in `scenes.extreme`.
 
 A tower stands on the table and must stand in the same order on the rack; the boxes outside the goal interfere (paper,
 Experiments). Problems whose number is a multiple of three are plain: the other boxes are bystanders that stand on the
@@ -18,8 +18,9 @@ import tyro
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.scenes.checks import check_choice
-from ictamp_drake.scenes.layout import Spot, Stack, Zone, build_stack, outline_radius, place_stacks
-from ictamp_drake.scenes.levels import COLOURS, LEVELS, SIZES, SUPPORTS, Level
+from ictamp_drake.scenes.extreme import make_extreme
+from ictamp_drake.scenes.layout import Stack, Zone, build_stack, outline_radius, place_stacks
+from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, SIZES, SUPPORTS, Level, boxes_of, goal_of
 from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec, save_scene
 
 MAX_STACK = 5
@@ -43,19 +44,23 @@ def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream
         IctampError: when there is no such level.
     """
     check_choice("level", level, LEVELS)
-    rng = generator(stream, seed, list(LEVELS).index(level), number)
-    spec = LEVELS[level]
+    if level == "extreme":
+        return make_extreme(number, seed, stream)
+    rng = generator(stream, seed, LEVELS.index(level), number)
+    spec = PAPER_LEVELS[level]
     roles = _draw_roles(spec, number, rng)
     stacks = _build_stacks(spec.tower, roles, rng)
     zones = [Zone.TOWER, *(_zone(roles[stack[0].name]) for stack in stacks[1:])]
     interfering = any(roles.values())
     nearby = [zone is Zone.FRONT and interfering and bool(rng.integers(2)) for zone in zones]
     spots = place_stacks([outline_radius(stack) for stack in stacks], zones, nearby, rng)
-    boxes = [box for stack, spot in zip(stacks, spots, strict=True) for box in _boxes(stack, spot)]
+    boxes = dict[str, BoxSpec]()
+    for stack, spot in zip(stacks, spots, strict=True):
+        boxes |= boxes_of(stack, spot)
     return SceneSpec(
         supports=SUPPORTS,
-        boxes=dict(boxes),
-        goal=_goal(spec.tower),
+        boxes=boxes,
+        goal=goal_of(spec.tower),
         seed=number,
         interference=tuple(kind for kind in INTERFERENCES if any(kind in kinds for kinds in roles.values())),
         description=_describe(level, roles),
@@ -101,26 +106,6 @@ def _zone(kinds: Kinds) -> Zone:
     return Zone.BEHIND if "behind" in kinds else Zone.FRONT
 
 
-def _boxes(stack: Stack, spot: Spot) -> list[tuple[str, BoxSpec]]:
-    return [
-        (
-            piece.name,
-            BoxSpec(
-                size=SIZES[piece.name],
-                position=(round(spot[0] + piece.offset[0], 4), round(spot[1] + piece.offset[1], 4), piece.z),
-                rotation=piece.rotation,
-                colour=COLOURS[piece.name],
-            ),
-        )
-        for piece in stack
-    ]
-
-
-def _goal(tower: tuple[str, ...]) -> str:
-    atoms = [f"(on {above} {below})" for below, above in itertools.pairwise(("rack", *tower))]
-    return f"(and {' '.join(atoms)})"
-
-
 def _describe(level: str, roles: Roles) -> str:
     others = [f"{name} {' and '.join(sorted(kinds)) or 'stands by'}" for name, kinds in roles.items()]
     return f"{level.capitalize()}: rebuild the tower on the rack; {', '.join(others) or 'no other box'}."
@@ -130,7 +115,7 @@ def write_problems(level: str, out: Path, count: int = 10, seed: int = 0) -> Non
     """Write problem files 000.yaml, 001.yaml, … of a level.
 
     Args:
-        level: easy, medium or hard.
+        level: easy, medium, hard or extreme.
         out: folder for the files, made if it is not there.
         count: how many.
         seed: 0 gives the committed problems, any other new ones.

@@ -12,7 +12,7 @@ import numpy as np
 
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.scenes.layout import Spot, Stack, build_stack, outline_radius
-from ictamp_drake.scenes.levels import LEVELS, SUPPORTS
+from ictamp_drake.scenes.levels import PAPER_LEVELS, SUPPORTS
 from ictamp_drake.scenes.packing import make_problem
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, Vector
 
@@ -36,8 +36,8 @@ class _Circle(NamedTuple):
 def training_scene(number: int, seed: int = 0) -> SceneSpec:
     """The scene of that number; the same arguments always give the same one."""
     kind = number % CYCLE
-    if kind < len(LEVELS):
-        return make_problem(list(LEVELS)[kind], number // CYCLE, seed, Stream.DATA)
+    if kind < len(PAPER_LEVELS):
+        return make_problem(list(PAPER_LEVELS)[kind], number // CYCLE, seed, Stream.DATA)
     rng = generator(Stream.DATA, seed, kind, number)
     boxes: dict[str, BoxSpec] = {}
     while not boxes:

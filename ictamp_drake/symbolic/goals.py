@@ -6,15 +6,15 @@ import pyparsing
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom, State
-from ictamp_drake.symbolic.atoms import ON, tipped_boxes
+from ictamp_drake.symbolic.atoms import LYING, ON, tipped_boxes
 
-_FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...)"
+_FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...), with lying for on if BOX is tipped"
 _WORD = pyparsing.Regex(r"[^\s()]+")
 _FORMULA = pyparsing.nested_expr("(", ")", content=_WORD, ignore_expr=None)
 
 
 def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: str = "goal") -> frozenset[Atom]:
-    """The atoms of a conjunction of (on BOX OBJECT).
+    """The atoms of a conjunction of (on BOX OBJECT) and, for boxes on their side, (lying BOX OBJECT).
 
     Raises:
         IctampError: syntax, an unknown predicate or object, a wrong number of objects, or atoms that cannot hold
@@ -30,13 +30,15 @@ def check_goal(goal: frozenset[Atom], initial: State, where: str = "goal") -> No
     """Refuse a goal that needs no plan, or that no plan can reach, from the initial state.
 
     Raises:
-        IctampError: the goal holds already, or wants a box upright that lies on its side.
+        IctampError: the goal holds already, or wants a box upright that lies on its side or the other way round.
     """
     if goal <= initial:
         raise IctampError(f"{where}: {_text(goal)} already holds in the initial state, there is nothing to plan.")
     for atom in sorted(goal):
-        if atom.args[0] in tipped_boxes(initial):
-            why = f"{atom.args[0]} is tipped over in the initial state and no skill stands a box up"
+        tipped = atom.args[0] in tipped_boxes(initial)
+        if tipped != (atom.predicate == LYING):
+            posture, change = ("tipped over", "stands a box up") if tipped else ("upright", "tips a box over")
+            why = f"{atom.args[0]} is {posture} in the initial state and no skill {change}"
             raise IctampError(f"{where}: {_pddl(atom)} cannot be reached, {why}.")
 
 
@@ -57,10 +59,10 @@ def _atom(literal: object, boxes: Sequence[str], supports: Sequence[str], where:
     if not isinstance(literal, list) or not all(isinstance(word, str) for word in literal):
         raise IctampError(f"{where}: {written} is not an atom; {_FORM}.")
     predicate, *names = literal or [""]
-    if predicate != ON:
-        raise IctampError(f'{where}: predicate "{predicate}" in {written} is not allowed, only "on"; {_FORM}.')
+    if predicate not in (ON, LYING):
+        raise IctampError(f'{where}: predicate "{predicate}" in {written} is neither "on" nor "lying"; {_FORM}.')
     if len(names) != 2:
-        raise IctampError(f'{where}: "on" takes 2 objects, not {len(names)} as in {written}; {_FORM}.')
+        raise IctampError(f'{where}: "{predicate}" takes 2 objects, not {len(names)} as in {written}; {_FORM}.')
     for name in names:
         if name not in (*boxes, *supports):
             known = f"the boxes are {', '.join(boxes)}, the supports {', '.join(supports)}"
@@ -68,7 +70,7 @@ def _atom(literal: object, boxes: Sequence[str], supports: Sequence[str], where:
     if names[0] not in boxes:
         what = f"{names[0]} is a support and cannot be moved; the boxes are {', '.join(boxes)}"
         raise IctampError(f"{where}: {written} cannot be reached, {what}.")
-    return Atom(ON, (names[0], names[1]))
+    return Atom(predicate, (names[0], names[1]))
 
 
 def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str]:

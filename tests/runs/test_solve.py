@@ -13,7 +13,9 @@ from ictamp_drake.runs.options import Estimators, Method, Samplers
 from ictamp_drake.runs.records import record_of
 from ictamp_drake.runs.replay import starts
 from ictamp_drake.runs.solve import Solution, prepare, solve
+from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.symbolic.skeletons import BestFirst
 from tests.learning.synthetic import untrained
 from tests.runs.programs import SCENE
 
@@ -69,6 +71,15 @@ def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
     assert record.low_level_steps == 1
     assert record.plan_length is None
     assert not record.is_final
+
+
+@pytest.mark.slow
+def test_extreme_problems_start_at_rest_and_have_plans() -> None:
+    for path in problem_files("extreme"):
+        task = prepare(path, Method())
+        plan = BestFirst().create(task.domain, task.abstraction(task.c), task.goal).next_plan(1000)
+        assert plan is not None
+        assert len(plan) >= 8
 
 
 def test_time_spent_before_the_search_counts(scene: Path) -> None:

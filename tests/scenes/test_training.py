@@ -1,5 +1,6 @@
 """Training scenes: always the same, never a problem, and wider than the problems."""
 
+import hashlib
 import itertools
 import math
 from collections import Counter
@@ -7,13 +8,13 @@ from collections import Counter
 import pytest
 
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.scenes.levels import LEVELS, problem_files
+from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
 from ictamp_drake.scenes.packing import make_problem
-from ictamp_drake.scenes.spec import SceneSpec, load_scene
+from ictamp_drake.scenes.spec import SceneSpec, load_scene, to_yaml
 from ictamp_drake.scenes.training import CYCLE, MAX_BOXES, training_scene
 
 SCENES = [training_scene(number) for number in range(160)]
-WIDER = [spec for number, spec in enumerate(SCENES) if number % CYCLE >= len(LEVELS)]
+WIDER = [spec for number, spec in enumerate(SCENES) if number % CYCLE >= len(PAPER_LEVELS)]
 
 
 def places(spec: SceneSpec) -> tuple[object, ...]:
@@ -24,6 +25,13 @@ def places(spec: SceneSpec) -> tuple[object, ...]:
 def test_the_same_number_gives_the_same_scene_and_another_seed_another() -> None:
     assert [training_scene(number) for number in range(16)] == SCENES[:16]
     assert all(training_scene(number, seed=1) != SCENES[number] for number in range(16))
+
+
+def test_the_scenes_are_those_that_the_committed_attempts_were_made_in() -> None:
+    text = "".join(map(to_yaml, SCENES))
+    assert hashlib.sha256(text.encode()).hexdigest() == (
+        "1b2056d2cef699c8194d0fd003ffbf36759eef373ca85f6cbb8b61d9b834e34c"
+    )
 
 
 def test_all_scenes_differ() -> None:
@@ -44,8 +52,8 @@ def test_streams_of_scenes_and_data_never_give_the_same_numbers() -> None:
 
 
 def test_levels_of_the_problems_take_turns_with_wider_scenes() -> None:
-    boxes = [set(training_scene(number).boxes) for number in range(len(LEVELS))]
-    assert all(set(level.tower) <= names for level, names in zip(LEVELS.values(), boxes, strict=True))
+    boxes = [set(training_scene(number).boxes) for number in range(len(PAPER_LEVELS))]
+    assert all(set(level.tower) <= names for level, names in zip(PAPER_LEVELS.values(), boxes, strict=True))
     assert {len(spec.boxes) for spec in WIDER} == set(range(1, MAX_BOXES + 1))
 
 

@@ -8,7 +8,7 @@ from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from tests.symbolic.towers import standing, state
 
 BOXES, SUPPORTS = ("cyan", "red", "blue"), ("rack", "table")
-FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...)."
+FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...), with lying for on if BOX is tipped."
 
 
 def test_one_atom_is_a_goal() -> None:
@@ -34,9 +34,10 @@ def test_several_boxes_may_go_to_one_support() -> None:
         ("(and)", f"(and) is empty; {FORM}"),
         ("(and cyan)", f"cyan is not an atom; {FORM}"),
         ("(not (on cyan rack))", f"(not (on cyan rack)) is not an atom; {FORM}"),
-        ("()", f'predicate "" in () is not allowed, only "on"; {FORM}'),
-        ("(clear cyan)", f'predicate "clear" in (clear cyan) is not allowed, only "on"; {FORM}'),
+        ("()", f'predicate "" in () is neither "on" nor "lying"; {FORM}'),
+        ("(clear cyan)", f'predicate "clear" in (clear cyan) is neither "on" nor "lying"; {FORM}'),
         ("(on cyan)", f'"on" takes 2 objects, not 1 as in (on cyan); {FORM}'),
+        ("(lying cyan)", f'"lying" takes 2 objects, not 1 as in (lying cyan); {FORM}'),
         (
             "(on cian rack)",
             'object "cian" in (on cian rack) is not in the scene; '
@@ -48,6 +49,10 @@ def test_several_boxes_may_go_to_one_support() -> None:
         ),
         ("(on cyan cyan)", "(on cyan cyan) puts cyan on itself."),
         ("(and (on cyan rack) (on cyan red))", "(on cyan rack) (on cyan red) puts cyan in more than one place."),
+        (
+            "(and (on cyan rack) (lying cyan rack))",
+            "(lying cyan rack) (on cyan rack) puts cyan in more than one place.",
+        ),
         ("(and (on cyan red) (on blue red))", "(on blue red) (on cyan red) puts more than one box on the box red."),
         ("(and (on cyan red) (on red cyan))", "the boxes cyan, red are to stand on each other in a circle."),
         (
@@ -78,3 +83,14 @@ def test_a_tipped_box_cannot_stand_but_can_carry() -> None:
     why = "red is tipped over in the initial state and no skill stands a box up"
     assert str(caught.value) == f"goal: (on red cyan) cannot be reached, {why}."
     check_goal(frozenset({Atom("on", ("cyan", "red"))}), initial)
+
+
+def test_a_tipped_box_can_lie_in_a_goal_and_an_upright_one_cannot() -> None:
+    initial = state([("table", "cyan"), ("table", "red")], tipped=("red",))
+    goal = parse_goal("(and (on cyan rack) (lying red cyan))", BOXES, SUPPORTS)
+    assert goal == {Atom("on", ("cyan", "rack")), Atom("lying", ("red", "cyan"))}
+    check_goal(goal, initial)
+    with pytest.raises(IctampError) as caught:
+        check_goal(frozenset({Atom("lying", ("cyan", "rack"))}), initial)
+    why = "cyan is upright in the initial state and no skill tips a box over"
+    assert str(caught.value) == f"goal: (lying cyan rack) cannot be reached, {why}."

@@ -1,6 +1,6 @@
 """Symbolic states from towers, the three packing levels, and random problems of towers."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -46,9 +46,9 @@ def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
     return frozenset(atoms)
 
 
-def standing(tower: Tower) -> frozenset[Atom]:
-    """The goal that the tower stands."""
-    return frozenset(Atom(ON, (box, below)) for below, box in pairwise(tower))
+def standing(tower: Tower, tipped: Collection[str] = ()) -> frozenset[Atom]:
+    """The goal that the tower stands, its tipped boxes lying."""
+    return frozenset(Atom(LYING if box in tipped else ON, (box, below)) for below, box in pairwise(tower))
 
 
 def level(*towers: Tower, goal: Tower) -> Problem:
@@ -74,12 +74,12 @@ def arrangements(draw: st.DrawFn, boxes: Sequence[str], supports: Sequence[str])
 
 
 @st.composite
-def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2, may_tip: bool = True) -> Problem:
-    """A random start, a part of another random arrangement as goal; boxes outside the goal may lie."""
+def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2) -> Problem:
+    """A random start, a part of another random arrangement as goal; any box may lie, in the goal as at the start."""
     box_names = tuple(f"box_{i}" for i in range(draw(st.integers(1, boxes))))
     support_names = tuple(f"table_{i}" for i in range(draw(st.integers(1, supports))))
-    final = frozenset[Atom]().union(*map(standing, draw(arrangements(box_names, support_names))))
+    tipped = draw(st.sets(st.sampled_from(box_names)))
+    towers = draw(arrangements(box_names, support_names))
+    final = frozenset[Atom]().union(*(standing(tower, tipped) for tower in towers))
     goal = frozenset(draw(st.sets(st.sampled_from(sorted(final)), min_size=1)))
-    free = sorted(set(box_names) - {atom.args[0] for atom in goal}) if may_tip else []
-    tipped = draw(st.sets(st.sampled_from(free))) if free else set()
     return Problem(box_names, support_names, state(draw(arrangements(box_names, support_names)), sorted(tipped)), goal)

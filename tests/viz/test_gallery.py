@@ -12,7 +12,10 @@ from tests.viz.scene import SPEC
 def test_examples_are_of_all_levels_and_kinds() -> None:
     found = examples()
     assert [title.partition(" ")[0] for title in found] == [*LEVELS, *INTERFERENCES]
-    assert [spec.interference for spec in found.values()] == [(), (), (), *((kind,) for kind in INTERFERENCES)]
+    assert [spec.interference for spec in found.values()] == [
+        *((),) * len(LEVELS),
+        *((kind,) for kind in INTERFERENCES),
+    ]
     assert next(iter(found)) == "easy (easy-000)"
 
 
