@@ -76,7 +76,7 @@ def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
     solution = stopped(scene, Method(time_limit=250), after=1)
     assert solution.result.stop_reason is StopReason.STOPPED
     assert solution.replay is None
-    record = record_of("scene", None, 0, solution)
+    record = record_of("scene", "", None, 0, solution)
     assert record.low_level_steps == 1
     assert record.plan_length is None
     assert not record.is_final
