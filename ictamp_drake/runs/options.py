@@ -22,6 +22,7 @@ from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
 from ictamp_drake.runs.engine import EngineConfig
+from ictamp_drake.runs.parts import Parts
 from ictamp_drake.scenes.checks import check_choice, check_range
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.policy import PolicyConfig
@@ -144,8 +145,17 @@ class Method:
     @property
     def learned(self) -> list[Any]:
         """Those of the chosen sampler and estimator that need trained networks."""
-        configs = chosen(self.samplers, self.sampler), self.estimator_config
-        return [config for config in configs if hasattr(config, "check")]
+        return [config for config in (self.parts.sampler, self.parts.estimator) if hasattr(config, "check")]
+
+    @property
+    def parts(self) -> Parts:
+        """All that is chosen."""
+        return Parts(
+            chosen(self.samplers, self.sampler),
+            self.estimator_config,
+            chosen(self.generators, self.generator),
+            chosen(self.planners, self.planner),
+        )
 
     @property
     def estimator_config(self) -> Any:
@@ -155,10 +165,9 @@ class Method:
             return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
         return chosen(self.estimators, self.estimator)
 
-    def planner_config(self, elapsed: float) -> PlannerConfig:
-        """The planner's own configuration when `elapsed` [s] of the time limit are spent."""
-        budget = Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
-        return PlannerConfig(budget, self.max_expansions, chosen(self.planners, self.planner))
+    def budget(self, elapsed: float) -> Budget:
+        """What the search may spend when `elapsed` [s] of the time limit are spent."""
+        return Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,10 @@ from time import perf_counter
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Atom, Attempt, Configuration
 from ictamp_drake.planning.events import Listener
+from ictamp_drake.planning.planner import PlannerConfig
 from ictamp_drake.planning.result import PlanningResult
-from ictamp_drake.runs.options import Method, chosen
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.parts import Parts
 from ictamp_drake.runs.replay import Replay, replay
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.symbolic.domain import Domain
@@ -63,40 +65,52 @@ class Solution:
     planning_time_s: float
 
 
-def prepare(path: Path, method: Method) -> Task:
-    """Load a scene and build all that is needed to plan in it.
+def prepare(scene: Path | SceneSpec, method: Method) -> Task:
+    """Build all that is needed to plan in a scene, of a file or not.
 
     Raises:
         IctampError: one sentence that says what is wrong with the file, the scene or its goal.
     """
     started = perf_counter()
-    spec = load_scene(path)
-    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"{path}: goal")
+    spec, name = (scene, "the scene") if isinstance(scene, SceneSpec) else (load_scene(scene), str(scene))
+    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"{name}: goal")
     world = World(spec)
     physics = method.physics.create(spec)
     abstraction = Abstraction(world, method.predicates)
-    c = start_configuration(world, abstraction, physics, str(path))
+    c = start_configuration(world, abstraction, physics, name)
     initial = abstraction(c)
-    check_goal(goal, initial, f"{path}: goal")
+    check_goal(goal, initial, f"{name}: goal")
     roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
     domain = Domain.create(sorted(spec.boxes), roomiest_first, initial)
     return Task(spec, world, physics, abstraction, c, goal, domain, started)
 
 
 def solve(
-    task: Task, method: Method, listeners: Sequence[Listener] = (), stop: Callable[[], bool] = lambda: False
+    task: Task,
+    method: Method,
+    listeners: Sequence[Listener] = (),
+    stop: Callable[[], bool] = lambda: False,
+    parts: Parts | None = None,
 ) -> Solution:
-    """Plan until a plan is verified or the budget is spent."""
+    """Plan until a plan is verified or the budget is spent.
+
+    Args:
+        task: the problem.
+        method: how it is solved.
+        listeners: called with every event of the search.
+        stop: asked before every computational action; True ends the search.
+        parts: to search with, by default those that the method chose.
+    """
     verifier = _Verifier(task, method)
-    sampler = chosen(method.samplers, method.sampler)
-    plans = chosen(method.generators, method.generator)
-    skills = method.skills.create(task.world, task.abstraction, task.physics, sampler)
-    planner = method.planner_config(elapsed=perf_counter() - task.started).create(
+    parts = parts or method.parts
+    skills = method.skills.create(task.world, task.abstraction, task.physics, parts.sampler, parts.skills)
+    budget = method.budget(elapsed=perf_counter() - task.started)
+    planner = PlannerConfig(budget, method.max_expansions, parts.rule).create(
         c=task.c,
         abstraction=task.abstraction,
-        generator=plans.create(task.domain, task.abstraction(task.c), task.goal),
+        generator=parts.generator.create(task.domain, task.abstraction(task.c), task.goal),
         skills=skills,
-        estimator=method.estimator_config.create(task.world, skills),
+        estimator=parts.estimator.create(task.world, skills),
         verify=verifier,
         rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
         listeners=listeners,

@@ -7,8 +7,9 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
-from ictamp_drake.motion.planner import Refusal
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.world.commands import gripper_time
+from ictamp_drake.world.world import World
 
 OPEN = GripperCommand(GRIPPER_MAX_WIDTH)
 """The hand as far open as it goes."""
@@ -23,6 +24,13 @@ class Skill(Protocol):
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that carries out the action from c with parameter k, or what is in its way."""
+
+
+class SkillConfig(Protocol):
+    """Configuration of a skill."""
+
+    def create(self, world: World, planner: MotionPlanner) -> Skill:
+        """The skill in one scene; all skills of a scene share its planner."""
 
 
 def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand) -> Segment:

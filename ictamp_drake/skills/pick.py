@@ -25,6 +25,10 @@ class PickConfig:
     margin: float = 0.015
     lift: float = 0.04
 
+    def create(self, world: World, planner: MotionPlanner) -> "Pick":
+        """The skill in one scene."""
+        return Pick(world, planner, self)
+
 
 class Pick:
     """Grasps a box from above, wherever and however it lies."""

@@ -25,6 +25,10 @@ class PlaceConfig:
     drop: float = 0.04
     margin: float = 0.015
 
+    def create(self, world: World, planner: MotionPlanner) -> "Place":
+        """The skill in one scene."""
+        return Place(world, planner, self)
+
 
 class Place:
     """Puts the held box down on a support or on another box."""

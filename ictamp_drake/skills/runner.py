@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -14,10 +15,10 @@ from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Para
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.skills.base import Skill
+from ictamp_drake.skills.base import Skill, SkillConfig
 from ictamp_drake.skills.judge import judge
-from ictamp_drake.skills.pick import Pick, PickConfig
-from ictamp_drake.skills.place import Place, PlaceConfig
+from ictamp_drake.skills.pick import PickConfig
+from ictamp_drake.skills.place import PlaceConfig
 from ictamp_drake.world.abstraction import Abstraction
 from ictamp_drake.world.simulate import Frame, Outcome, Physics
 from ictamp_drake.world.world import World
@@ -50,10 +51,18 @@ class SkillsConfig:
         if self.draws < 1:
             raise IctampError(f"draws of the skills is {self.draws}, but must be 1 or more")
 
-    def create(self, world: World, abstraction: Abstraction, physics: Physics, sampler: SamplerConfig) -> "Skills":
-        """The skills in one scene."""
+    def create(
+        self,
+        world: World,
+        abstraction: Abstraction,
+        physics: Physics,
+        sampler: SamplerConfig,
+        own: Mapping[str, SkillConfig] = MappingProxyType({}),
+    ) -> "Skills":
+        """The skills in one scene; `own` ones, by the name of their action, take the place of these."""
         planner = MotionPlanner(world, self.motion)
-        skills: dict[str, Skill] = {"pick": Pick(world, planner, self.pick), "place": Place(world, planner, self.place)}
+        configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place, **own}
+        skills = {name: config.create(world, planner) for name, config in configs.items()}
         return Skills(self.draws, abstraction, physics, sampler.create(world, planner.kinematics), skills)
 
 

@@ -6,12 +6,17 @@ import pytest
 import tyro
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.options import Conduct, Estimators, Generators, Method, Planners, Samplers, choices, chosen
+from ictamp_drake.runs.parts import Parts
 from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.symbolic.skeletons import BestFirst
 
 NOWHERE = Path("nowhere")
 
@@ -70,8 +75,13 @@ def test_names_can_be_written_both_ways() -> None:
 
 
 def test_the_chosen_planner_is_the_rule_of_the_search() -> None:
-    rules = {name: Method(planner=name).planner_config(elapsed=0.0).rule for name in choices(Planners)}
+    rules = {name: Method(planner=name).parts.rule for name in choices(Planners)}
     assert rules == {name: chosen(Planners(), name) for name in choices(Planners)}
+
+
+def test_a_method_names_the_parts_of_its_search() -> None:
+    chosen_parts = Parts(UniformConfig(), ConstantConfig(), BestFirst(), ElsConfig())
+    assert Method(sampler="uniform", estimator="constant", generator="best-first", planner="els").parts == chosen_parts
 
 
 def test_stap_asks_for_the_product_along_the_plan_whatever_the_estimator() -> None:
@@ -83,7 +93,7 @@ def test_stap_asks_for_the_product_along_the_plan_whatever_the_estimator() -> No
 @pytest.mark.parametrize(("elapsed", "left"), [(0.0, 10.0), (4.0, 6.0), (12.0, 0.0)])
 def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) -> None:
     method = Method(time_limit=10.0, max_steps=5)
-    budget = method.planner_config(elapsed).budget
+    budget = method.budget(elapsed)
     assert budget.seconds == left
     assert budget.steps == 5
 

@@ -1,10 +1,12 @@
 """One scene, in this process."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.events import StepDone
@@ -14,6 +16,7 @@ from ictamp_drake.runs.records import record_of
 from ictamp_drake.runs.replay import starts
 from ictamp_drake.runs.solve import Solution, prepare, solve
 from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.symbolic.skeletons import BestFirst
 from tests.learning.synthetic import untrained
@@ -36,6 +39,14 @@ def first_k(scene: Path, seed: int) -> list[float]:
 
 def test_the_seed_decides_the_parameters(scene: Path) -> None:
     assert first_k(scene, 0) == first_k(scene, 0) != first_k(scene, 1)
+
+
+def test_a_scene_needs_no_file(scene: Path) -> None:
+    method, spec = Method(), load_scene(scene)
+    made, read = prepare(spec, method), prepare(scene, method)
+    assert (made.spec, made.c, made.goal) == (read.spec, read.c, read.goal)
+    with pytest.raises(IctampError, match=r"^the scene: goal"):
+        prepare(replace(spec, goal="(on red_box nowhere)"), method)
 
 
 def test_a_solution_has_a_replay_that_follows_the_plan(scene: Path) -> None:
@@ -67,7 +78,7 @@ def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
     solution = stopped(scene, Method(time_limit=250), after=1)
     assert solution.result.stop_reason is StopReason.STOPPED
     assert solution.replay is None
-    record = record_of("scene", None, 0, solution)
+    record = record_of("scene", "", None, 0, solution)
     assert record.low_level_steps == 1
     assert record.plan_length is None
     assert not record.is_final

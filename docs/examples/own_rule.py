@@ -1,0 +1,59 @@
+"""A selection rule of one's own: `python docs/examples/own_rule.py`."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Generic
+
+import numpy as np
+
+from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.types import C
+from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.tree import Tree
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.solve import prepare, solve
+
+
+@dataclass(frozen=True)
+class PatientConfig:
+    """Constants of the rule.
+
+    Attributes:
+        patience: failed steps until one more high-level plan is opened.
+    """
+
+    patience: int = 5
+
+    def create(self, estimator: Estimator[C]) -> "Patient[C]":
+        """The rule for one search; `estimator` is for rules that ask for P."""
+        return Patient(self.patience)
+
+
+@dataclass(frozen=True)
+class Patient(Generic[C]):
+    """Runs what is nearest to the goal, each failure counting as one action more."""
+
+    patience: int
+
+    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+        """The next computational action."""
+        failures = sum(step.child is None for step in tree.steps)
+        runs = [RunStep(*run) for run in tree.runs]
+        if not runs or (not tree.exhausted and len(tree.openings) <= failures // self.patience):
+            return OpenPlan()
+        return min(runs, key=lambda run: len(tree.plans[run.plan]) + tree.nodes[run.node].cnt[run.plan])
+
+
+def main() -> None:
+    method = Method(sampler="optimisation", estimator="constant")
+    task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
+    result = solve(task, method, parts=replace(method.parts, rule=PatientConfig(patience=2))).result
+
+    assert result.solved, result.stop_reason
+    print(result.tree.summary())
+    failures = result.failures.total()
+    assert result.high_level_plans <= 1 + failures // 2
+
+
+if __name__ == "__main__":
+    main()

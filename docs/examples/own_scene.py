@@ -1,0 +1,36 @@
+"""A scene of one's own, from a file and in Python: `python docs/examples/own_scene.py`."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from ictamp_drake.runs.artefacts import write_artefacts
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.scenes.spec import BoxSpec, load_scene
+
+
+def main() -> None:
+    spec = load_scene(Path(__file__).with_name("own_scene.yaml"))
+
+    # The same with one box more, which stands on the red one and is in the way.
+    green = BoxSpec(size=(0.05, 0.05, 0.06), position=(0.45, 0.1, 0.13), colour=(0.3, 0.65, 0.35))
+    spec = replace(spec, boxes={**spec.boxes, "green_box": green}, goal="(on red_box rack)")
+
+    method = Method(sampler="optimisation", estimator="constant", seed=1)
+    task = prepare(spec, method)  # from a file: prepare(path, method)
+    solution = solve(task, method)
+
+    assert solution.result.plan is not None, solution.result.stop_reason
+    for attempt in solution.result.plan:
+        print(attempt.action)
+    assert solution.result.plan[0].action.args == ("green_box", "red_box"), "what is in the way goes first"
+    assert solution.replay is not None
+    assert task.goal <= task.abstraction(solution.replay.c), "H of where the replay ended holds the goal"
+
+    folder = Path("runs/own_scene")
+    write_artefacts(solution, folder, "all")
+    print("Open", folder / "replay.html", "in a browser, and search.html beside it. The scene is in scene.yaml.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""A skill of one's own, another way to carry out an action: `python docs/examples/own_skill.py`."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.skills.base import imagined
+from ictamp_drake.skills.geometry import raised
+from ictamp_drake.skills.pick import Pick, PickConfig
+from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class ProvenPickConfig:
+    """Constants of a pick that proves its grasp.
+
+    Attributes:
+        pick: constants of the pick.
+        rise: how much further the box is lifted and let down again [m].
+    """
+
+    pick: PickConfig = PickConfig()
+    rise: float = 0.03
+
+    def create(self, world: World, planner: MotionPlanner) -> "ProvenPick":
+        """The skill in one scene."""
+        return ProvenPick(self.pick.create(world, planner), planner, self.rise)
+
+
+@dataclass(frozen=True, eq=False)
+class ProvenPick:
+    """ψ_pick that heaves the lifted box once more: a grasp that slips does so here, and not on the way."""
+
+    pick: Pick
+    planner: MotionPlanner
+    rise: float
+
+    def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
+        """The motion with parameter k from c, or what is in its way."""
+        motion = self.pick.plan(c, action, k, rng)
+        if isinstance(motion, Refusal):
+            return motion
+        grasp, lift = motion[-2:]
+        q_grasp, q_lifted = grasp.control_points[-1], lift.control_points[-1]
+        X_WG = self.planner.kinematics.forward(q_lifted)
+        self.planner.set_configuration(imagined(c, q=q_grasp, width=lift.gripper.width, held=action.args[0]))
+        heave = self.planner.straight(q_lifted, raised(X_WG, self.rise))
+        if isinstance(heave, Refusal):
+            return heave
+        way = heave.trajectory
+        return (*motion, way.segment("heave", lift.gripper), way.reversed().segment("let down", lift.gripper))
+
+
+def main() -> None:
+    method = Method(sampler="optimisation", estimator="constant")
+    task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
+    result = solve(task, method, parts=replace(method.parts, skills={"pick": ProvenPickConfig()})).result
+
+    assert result.plan is not None, result.stop_reason
+    for attempt in result.plan:
+        labels = [segment.label for segment in attempt.motion]
+        print(attempt.action, *labels, sep=", ")
+        assert attempt.action.name == "place" or labels[-2:] == ["heave", "let down"]
+
+
+if __name__ == "__main__":
+    main()

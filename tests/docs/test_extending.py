@@ -1,0 +1,29 @@
+"""The examples of docs/extending.md: each runs, and the page shows them as they are."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.runs.programs import environment
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "extending.md"
+PROGRAMS = sorted((DOCS / "examples").glob("*.py"))
+LANGUAGES = {".py": "python", ".yaml": "yaml"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_the_example_keeps_its_promises(program: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, program], cwd=tmp_path, env=environment(), capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("file", sorted((DOCS / "examples").iterdir()), ids=lambda path: path.name)
+def test_the_page_shows_the_file_as_it_is(file: Path) -> None:
+    block = f"```{LANGUAGES[file.suffix]}\n{file.read_text()}```\n"
+    assert block in PAGE.read_text(), f"the block of {file.name} in {PAGE.name} differs from the file"
