@@ -49,7 +49,7 @@ class Room:
 
 
 def main() -> None:
-    method = Method(sampler="optimisation")
+    method = Method(sampler="optimisation", time_limit=250)
     task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, parts=replace(method.parts, estimator=RoomConfig())).result
     assert result.solved, result.stop_reason

@@ -45,7 +45,7 @@ class Patient(Generic[C]):
 
 
 def main() -> None:
-    method = Method(sampler="optimisation", estimator="constant")
+    method = Method(sampler="optimisation", estimator="constant", time_limit=250)
     task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, parts=replace(method.parts, rule=PatientConfig(patience=2))).result
 

@@ -44,7 +44,7 @@ class Central:
 
 
 def main() -> None:
-    method = Method(estimator="constant")
+    method = Method(estimator="constant", time_limit=250)
     task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
     solution = solve(task, method, parts=replace(method.parts, sampler=CentralConfig()))
 

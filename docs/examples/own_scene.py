@@ -16,7 +16,7 @@ def main() -> None:
     green = BoxSpec(size=(0.05, 0.05, 0.06), position=(0.45, 0.1, 0.13), colour=(0.3, 0.65, 0.35))
     spec = replace(spec, boxes={**spec.boxes, "green_box": green}, goal="(on red_box rack)")
 
-    method = Method(sampler="optimisation", estimator="constant", seed=1)
+    method = Method(sampler="optimisation", estimator="constant", seed=1, time_limit=250)
     task = prepare(spec, method)  # from a file: prepare(path, method)
     solution = solve(task, method)
 

@@ -14,7 +14,6 @@ PROGRAMS = sorted((DOCS / "examples").glob("*.py"))
 LANGUAGES = {".py": "python", ".yaml": "yaml"}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
 def test_the_example_keeps_its_promises(program: Path, tmp_path: Path) -> None:
     done = subprocess.run(
