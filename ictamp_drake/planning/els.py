@@ -122,9 +122,8 @@ class Els(Generic[C]):
                 self._wait(work.branch, work.number, work.spent + seconds, met=True)
             case Opening(plan=int(plan), seconds=seconds):
                 self._branch(tree, RunStep(ROOT, plan), work, work.spent + seconds)
-            case Step(child=int(child), attempt=attempt) if not tree.is_finished(tree.nodes[child]):
-                (rest,) = tree.nodes[child].cnt
-                self._branch(tree, RunStep(child, rest), work, attempt.effort)
+            case Step(attempt=attempt) if tree.reached is not None:
+                self._branch(tree, RunStep(*tree.reached), work, attempt.effort)
 
     def _branch(self, tree: Tree[C], run: RunStep, parent: _Work, spent: float) -> None:
         """The parent is complete: the attempts at the next action are its children."""

@@ -11,7 +11,7 @@ from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
 from ictamp_drake.planning.scores import draw, draw_node, latest_plan_cost, score_high, score_low
-from ictamp_drake.planning.tree import Step, Tree
+from ictamp_drake.planning.tree import Tree
 
 
 @dataclass(frozen=True)
@@ -62,11 +62,10 @@ class Proportional(Generic[C]):
         return self._next_of_rollout(tree, rng) or self._draw_option(tree, rng)
 
     def _next_of_rollout(self, tree: Tree[C], rng: np.random.Generator) -> RunStep | None:
-        last = tree.log[-1] if tree.log else None
-        if not isinstance(last, Step) or last.child is None or tree.is_finished(tree.nodes[last.child]):
+        if tree.reached is None:
             return None
-        (rest,) = tree.nodes[last.child].cnt
-        return draw_node(tree, rest, rng) if self._config.redraw else RunStep(last.child, rest)
+        node, rest = tree.reached
+        return draw_node(tree, rest, rng) if self._config.redraw else RunStep(node, rest)
 
     def _draw_option(self, tree: Tree[C], rng: np.random.Generator) -> Option:
         runs = [draw_node(tree, plan, rng) for plan in tree.open_plans]

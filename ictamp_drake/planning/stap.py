@@ -10,7 +10,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator, PlanOptimizer
 from ictamp_drake.core.types import C, FloatArray
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.tree import ROOT, Step, Tree
+from ictamp_drake.planning.tree import ROOT, Tree
 
 
 @dataclass(frozen=True)
@@ -79,12 +79,10 @@ class Stap(Generic[C]):
         return [plan for plan in opened if len(tree.plans[plan]) <= depth]
 
     def _next_of_plan(self, tree: Tree[C]) -> RunStep | None:
-        last = tree.log[-1]
-        if not isinstance(last, Step) or last.child is None or tree.is_finished(tree.nodes[last.child]):
+        if tree.reached is None:
             return None
-        node = tree.nodes[last.child]
-        (rest,) = node.cnt
-        return RunStep(node.index, rest, self._k[node.depth])
+        node, rest = tree.reached
+        return RunStep(node, rest, self._k[tree.nodes[node].depth])
 
     def _ranked(self, tree: Tree[C], rng: np.random.Generator) -> list[tuple[int, FloatArray]]:
         """Plans with their parameters, the most promising first."""

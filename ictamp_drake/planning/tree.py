@@ -120,6 +120,15 @@ class Tree(Generic[C]):
         return [(node, plan) for plan in self.open_plans for node in self.holders[plan]]
 
     @property
+    def reached(self) -> tuple[int, int] | None:
+        """The node that the last entry of the log led to and the rest of its plan, None when nothing is left to run."""
+        last = self.log[-1] if self.log else None
+        if not isinstance(last, Step) or last.child is None or self.is_finished(self.nodes[last.child]):
+            return None
+        (rest,) = self.nodes[last.child].cnt
+        return last.child, rest
+
+    @property
     def solution(self) -> int | None:
         """Number of the first node whose plan was verified."""
         return next((node for node, verified in self.candidates.items() if verified), None)
