@@ -1,6 +1,7 @@
 """The program for one's own scenes, as a subprocess: what it leaves, that it is repeatable, and what it refuses."""
 
 import json
+import re
 import subprocess
 from pathlib import Path
 
@@ -60,6 +61,8 @@ def test_the_output_names_result_and_replay(done: subprocess.CompletedProcess[st
     assert f"scene  solved with {record.plan_length} skills after {record.planning_time_s:.1f} s" in done.stdout
     assert "1 of 1" in done.stdout
     assert "Replays: first/scene/replay.html" in done.stdout
+    assert "Searches: first/scene/search.html" in done.stdout
+    assert re.search(r"^\d+:\d\d for \d+ s of planning, \d+\.\d % of the time of 1 worker$", done.stdout, re.MULTILINE)
     assert done.stderr == ""
 
 

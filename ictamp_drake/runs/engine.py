@@ -46,6 +46,10 @@ class EngineConfig:
         if self.engine == "ray" and find_spec("ray") is None:
             raise IctampError("engine is 'ray', which is not installed: pip install \"ictamp_drake[ray]\"")
 
+    def here(self, tasks: int) -> int:
+        """Number of processes of this machine that so many tasks are given to."""
+        return min(self.workers, tasks) if self.engine == "local" else 0
+
     @contextmanager
     def start(self, tasks: int, start: Callable[..., None], *arguments: Any) -> Iterator[Engine]:
         """The engine at work, which ends with the block.
@@ -55,7 +59,7 @@ class EngineConfig:
             start: called in each process with the arguments before its first task; calls `end_with_parent`.
         """
         if self.engine == "local":
-            with isolated(min(self.workers, tasks), start, *arguments) as pool:
+            with isolated(self.here(tasks), start, *arguments) as pool:
                 yield pool
         else:
             from ictamp_drake.runs.cluster import connected  # noqa: PLC0415  (an optional package)

@@ -87,15 +87,24 @@ def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console) -> b
         complete = sweep(todo, folder, work.conduct, progress)
     records = _records(work, folder)
     planning = sum(records[job.name].planning_time_s for job in todo if job.name in records)
-    console.print(f"{clock(time.monotonic() - start)} for {planning:.0f} s of planning")
+    console.print(_effort(time.monotonic() - start, planning, work.conduct.engine.here(len(todo))))
     return complete
+
+
+def _effort(seconds: float, planning: float, workers: int) -> str:
+    """What a run took; the share tells what the harness and the artefacts cost."""
+    text = f"{clock(seconds)} for {planning:.0f} s of planning"
+    if workers:
+        text += f", {100 * planning / seconds / workers:.1f} % of the time of {counted(workers, 'worker')}"
+    return text
 
 
 def _print_where(console: Console, work: Work, folder: Path, records: Mapping[str, Record], complete: bool) -> None:
     lines = [f"\nRecords: {folder / RESULTS}"]
     solved = [name for name, record in records.items() if record.solved]
     if solved and work.conduct.artefacts == "all":
-        lines.append(f"Replays: {folder / (solved[0] if len(solved) == 1 else '*') / 'replay.html'}")
+        of = folder / (solved[0] if len(solved) == 1 else "*")
+        lines += [f"Replays: {of / 'replay.html'}", f"Searches: {of / 'search.html'}"]
     if not complete:
         lines.append(f"Interrupted; the same command with --out {folder} goes on.")
     console.print("\n".join(lines), soft_wrap=True)

@@ -82,11 +82,11 @@ def outcome(record: Record) -> Text:
     effort = f"{counted(record.high_level_plans, 'plan')}, {counted(record.low_level_steps, 'step')}"
     after = f"after {record.planning_time_s:.1f} s ({effort})"
     if record.solved:
-        line = Text(f"{record.problem}  solved with {counted(record.plan_length or 0, 'skill')} {after}", "green")
+        line = Text(f"{record.name}  solved with {counted(record.plan_length or 0, 'skill')} {after}", "green")
     elif record.error is None:
-        line = Text(f"{record.problem}  not solved {after}: {StopReason[record.stop_reason]}", "yellow")
+        line = Text(f"{record.name}  not solved {after}: {StopReason[record.stop_reason]}", "yellow")
     else:
-        line = Text(f"{record.problem}  {record.stop_reason.lower()} {after}", "bold red")
+        line = Text(f"{record.name}  {record.stop_reason.lower()} {after}", "bold red")
     if record.error is not None:
         line.append(f": {record.error.strip().splitlines()[-1]}")
     return line

@@ -84,5 +84,10 @@ def test_the_outcome_of_a_broken_problem_ends_with_the_cause() -> None:
     assert line == "a  crashed after 12.3 s (0 plans, 0 steps): ValueError: no"
 
 
+def test_the_outcome_names_strategy_and_seed_where_there_are_several() -> None:
+    line = outcome(record("easy-003", strategy="els", seed=7, solved=True, plan_length=6)).plain
+    assert line.startswith("els/7/easy-003  solved with 6 skills")
+
+
 def test_times_are_readable() -> None:
     assert [clock(seconds) for seconds in (0.9, 7, 750, 3723)] == ["0:00", "0:07", "12:30", "1:02:03"]
