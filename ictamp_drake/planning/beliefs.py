@@ -9,6 +9,7 @@ from typing import Generic
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, C, Skeleton, State
+from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import Step, Tree
 
@@ -48,9 +49,8 @@ class Beliefs(Generic[C]):
 
     def __init__(self, config: BeliefsConfig, estimator: Estimator[C]) -> None:
         self._config = config
-        self._estimator = estimator
-        self._P: dict[RunStep, float] = {}
-        self._estimates: defaultdict[str, list[float]] = defaultdict(list)
+        self._estimates = Estimates(estimator)
+        self._P: defaultdict[str, dict[RunStep, float]] = defaultdict(dict)
         self._here: defaultdict[tuple[int, Action], _Evidence] = defaultdict(_Evidence)
         self._anywhere: defaultdict[_Edge, _Evidence] = defaultdict(_Evidence)
         self._seconds: defaultdict[tuple[str, bool], list[float]] = defaultdict(list)
@@ -65,7 +65,8 @@ class Beliefs(Generic[C]):
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
-        self._estimate(tree, runs)
+        for run, P in zip(runs, self._estimates.of(tree, runs), strict=True):
+            self._P[tree.plans[run.plan].actions[0].name][run] = max(self._config.floor, P)
         rest = {run.plan: self._rest(tree.plans[run.plan]) for run in runs}
         return [self._first(run, tree.plans[run.plan]) + rest[run.plan] for run in runs]
 
@@ -73,19 +74,11 @@ class Beliefs(Generic[C]):
         """What `remaining` would be had nothing been attempted yet [s]."""
         return sum(self._time(action, self._prior(action)) for action in plan.actions)
 
-    def _estimate(self, tree: Tree[C], runs: Sequence[RunStep]) -> None:
-        missing = [run for run in runs if run not in self._P]
-        if missing:
-            values = self._estimator.estimate([(tree.nodes[run.node].c, tree.plans[run.plan]) for run in missing])
-            for run, value in zip(missing, values.tolist(), strict=True):
-                self._P[run] = max(self._config.floor, value)
-                self._estimates[tree.plans[run.plan].actions[0].name].append(value)
-
     def _first(self, run: RunStep, plan: Skeleton) -> float:
         """Time of the plan's first action from this node: attempts from here count in full."""
         action = plan.actions[0]
         here, anywhere = self._here[run.node, action], self._anywhere[plan.states[0], action]
-        return self._time(action, self._posterior(self._P[run], anywhere, here))
+        return self._time(action, self._posterior(self._P[action.name][run], anywhere, here))
 
     def _rest(self, plan: Skeleton) -> float:
         """Time of all later actions, from nodes that are not reached yet."""
@@ -94,7 +87,7 @@ class Beliefs(Generic[C]):
         return sum(self._time(action, belief) for (_, action), belief in zip(edges, beliefs, strict=True))
 
     def _prior(self, action: Action) -> float:
-        estimates = self._estimates[action.name]
+        estimates = self._P[action.name].values()
         return fmean(estimates) if estimates else self._config.hope
 
     def _posterior(self, P: float, anywhere: "_Evidence", here: "_Evidence | None" = None) -> float:

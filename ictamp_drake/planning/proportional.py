@@ -9,6 +9,7 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
+from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
 from ictamp_drake.planning.scores import draw, draw_node, latest_plan_cost, score_high, score_low
 from ictamp_drake.planning.tree import Tree
@@ -48,14 +49,11 @@ class Proportional(Generic[C]):
     the node just reached weighs 1, and older ones less for every attempt they made. After a failure, a finished plan or
     an opening, one option is drawn among opening a plan and running each known plan (Algorithm 1, lines 3-5). A plan
     is scored from the node that was drawn for it, and run from the same node.
-
-    P depends on the configuration and the plan, neither of which ever changes, so it is computed once.
     """
 
     def __init__(self, config: ProportionalConfig, estimator: Estimator[C]) -> None:
         self._config = config
-        self._estimator = estimator
-        self._P: dict[RunStep, float] = {}
+        self._estimates = Estimates(estimator)
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
         """Go on with the rollout, or else draw one option in proportion to the scores."""
@@ -77,13 +75,6 @@ class Proportional(Generic[C]):
         return options[draw(scores, rng)]
 
     def _scores_low(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        estimates = self._estimates(tree, runs)
+        estimates = self._estimates.of(tree, runs)
         counts = [tree.nodes[run.node].cnt[run.plan] for run in runs]
         return [score_low(P, cnt, self._config.floor) for P, cnt in zip(estimates, counts, strict=True)]
-
-    def _estimates(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        missing = [run for run in runs if run not in self._P]
-        if missing:
-            values = self._estimator.estimate([(tree.nodes[node].c, tree.plans[plan]) for node, plan, _ in missing])
-            self._P.update(zip(missing, values.tolist(), strict=True))
-        return [self._P[run] for run in runs]
