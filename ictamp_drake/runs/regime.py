@@ -67,8 +67,9 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
     """A row a run, sorted by level, strategy, problem and seed.
 
     Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended; `counted`, the same, but the
-    time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, nan when
-    unsolved; `interference`; and as in the record `failures`, `stages` and `depths`.
+    time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan and `replay`,
+    the computing time of executing it alone, nan when unsolved; `interference`; and as in the record `failures`,
+    `stages` and `depths`.
     """
     strategies = [record.strategy or UNNAMED for record in records]
     levels = [record.level or OWN for record in records]
@@ -84,6 +85,7 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
             "steps": [record.low_level_steps for record in records],
             "failed": [sum(record.failures.values()) for record in records],
             "length": [np.nan if record.plan_length is None else record.plan_length for record in records],
+            "replay": [np.nan if record.replay_time_s is None else record.replay_time_s for record in records],
             "interference": [record.interference for record in records],
             "failures": [record.failures for record in records],
             "stages": [record.seconds_by_stage for record in records],

@@ -32,8 +32,9 @@ PAIRED = (
 )
 
 EFFORT = (
-    "Means over all runs, solved or not. `steps / skill`: median of low-level steps for each skill of the plan, 1 at "
-    "best. `failed steps`: share of the low-level steps."
+    "Means over all runs, solved or not. `failed steps`: share of the low-level steps. Medians of the solved runs: "
+    "`steps / skill`, low-level steps for each skill of the plan, 1 at best; `overhead`, time of the run as a multiple "
+    "of what executing its plan once takes to compute."
 )
 
 STAGES = "Mean seconds of a run by stage."

@@ -16,7 +16,17 @@ from ictamp_drake.runs.results_table import shown
 from ictamp_drake.scenes.spec import INTERFERENCES
 from ictamp_drake.viz.effort import seconds_by_stage
 
-EFFORT = ("level", "strategy", "plans", "most plans", "steps", "steps / skill", "time of a step [s]", "failed steps")
+EFFORT = (
+    "level",
+    "strategy",
+    "plans",
+    "most plans",
+    "steps",
+    "failed steps",
+    "time of a step [s]",
+    "steps / skill",
+    "overhead",
+)
 
 PLAIN = "plain"
 """Kind of interference of a problem without any."""
@@ -38,9 +48,10 @@ def _effort(runs: pd.DataFrame) -> list[str]:
         shown(runs["plans"].mean(), 2),
         str(runs["plans"].max()),
         shown(runs["steps"].mean()),
-        shown((runs["steps"] / runs["length"].where(runs["length"] > 0)).median(), 2),
-        shown(np.nansum(seconds) * len(runs) / steps if steps else math.nan, 2),
         _share(int(runs["failed"].sum()), steps),
+        shown(np.nansum(seconds) * len(runs) / steps if steps else math.nan, 2),
+        shown((runs["steps"] / runs["length"].where(runs["length"] > 0)).median(), 2),
+        shown((runs["seconds"] / runs["replay"].where(runs["replay"] > 0)).median(), 2),
     ]
 
 

@@ -7,7 +7,7 @@ RUNS = table(
     run("a", 0, seconds=4.0),
     run("a", 1, seconds=8.0, low_level_steps=18, failures={"SLIPPED": 3, "NO_PATH": 9}, interference=("behind",)),
     run("b", 0, solved=False, low_level_steps=50, high_level_plans=8, failures={"NO_PATH": 50}),
-    run("b", 1, level="hard", seconds=9.0, interference=("behind", "tipped")),
+    run("b", 1, level="hard", seconds=9.0, replay_time_s=3.0, interference=("behind", "tipped")),
 )
 
 
@@ -16,17 +16,17 @@ def rows(lines: list[str]) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
 
-def test_effort_is_of_all_runs_and_steps_a_skill_of_the_solved_ones() -> None:
+def test_effort_is_of_all_runs_but_steps_a_skill_and_overhead_are_of_the_solved_ones() -> None:
     assert rows(effort(RUNS)) == [
-        ["easy", "a", "1.00", "1", "12.0", "2.00", "0.46", "12 (50.0 %)"],
-        ["easy", "b", "8.00", "8", "50.0", "-", "0.07", "50 (100.0 %)"],
-        ["hard", "b", "1.00", "1", "6.0", "1.00", "1.42", "0"],
+        ["easy", "a", "1.00", "1", "12.0", "12 (50.0 %)", "0.46", "2.00", "-"],
+        ["easy", "b", "8.00", "8", "50.0", "50 (100.0 %)", "0.07", "-", "-"],
+        ["hard", "b", "1.00", "1", "6.0", "0", "1.42", "1.00", "3.00"],
     ]
 
 
 def test_runs_without_steps_have_no_share_of_failures() -> None:
     nothing = run("a", low_level_steps=0, steps_by_depth=(), seconds_by_stage={}, solved=False)
-    assert rows(effort(table(nothing))) == [["easy", "a", "1.00", "1", "0.0", "-", "-", "0"]]
+    assert rows(effort(table(nothing))) == [["easy", "a", "1.00", "1", "0.0", "0", "-", "-", "-"]]
 
 
 def test_stages_are_means_of_a_run_in_the_order_of_a_run() -> None:

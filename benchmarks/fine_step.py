@@ -1,0 +1,71 @@
+"""Whether found plans hold with a finer physics step: `python benchmarks/fine_step.py --run runs/default`.
+
+Executes each plan.yaml of a run that kept them (--artefacts plan) once more, with a step of 1 ms: some ten seconds a
+plan on each of 2 cores. Writes a table by level and strategy, and which plans do not end in the goal then, to
+benchmarks/fine_step.md.
+"""
+
+import dataclasses
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import pandas as pd
+import tyro
+
+from ictamp_drake.runs import markdown
+from ictamp_drake.runs.folder import RESULTS
+from ictamp_drake.runs.plan_file import read_plan
+from ictamp_drake.runs.records import read_records
+from ictamp_drake.world.simulate import PhysicsConfig
+
+OUT = Path(__file__).with_suffix(".md")
+TIME_STEP = 0.001
+"""Of the physics [s]."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is executed again.
+
+    Attributes:
+        run: folder of the run.
+    """
+
+    run: Path
+
+
+def holds(plan: Path) -> bool:
+    """Whether the plan, executed with the fine step, ends in the goal again."""
+    return read_plan(plan).replay(dataclasses.replace(PhysicsConfig(), time_step=TIME_STEP)).reached
+
+
+def main() -> None:
+    """Execute, count, write."""
+    run = tyro.cli(Options, description=__doc__).run
+    records = [record for record in read_records(run / RESULTS).values() if record.solved]
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        held = list(pool.map(holds, [run / record.name / "plan.yaml" for record in records]))
+    rows = [(record.level, record.strategy, holding) for record, holding in zip(records, held, strict=True)]
+    counts = (
+        pd.DataFrame(rows, columns=["level", "strategy", "held"])
+        .groupby(["level", "strategy"], sort=False)["held"]
+        .agg(["sum", "size"])
+        .reset_index()
+    )
+    lost = [record.name for record, holding in zip(records, held, strict=True) if not holding]
+    lines = [
+        "# Plans executed with a physics step of 1 ms",
+        "",
+        f"By `python benchmarks/fine_step.py --run {run}`.",
+        "",
+    ]
+    lines += markdown.table(["level", "strategy", "hold", "of"], counts.to_numpy(), left=2)
+    lines += ["", f"Do not hold: {', '.join(lost) or 'none'}."]
+    OUT.write_text("\n".join(lines) + "\n")
+    print(OUT.read_text())
+
+
+if __name__ == "__main__":
+    main()
