@@ -134,7 +134,7 @@ def _made(chapters: Sequence[Chapter]) -> list[str]:
 def _significance(chapter: Chapter) -> list[str]:
     if not chapter.comparisons:
         return [f"`{chapter.reference}` is the only strategy, so there is nothing to compare."]
-    return [f"- {sentence}" for sentence in verdicts.sentences(chapter.comparisons, chapter.p)]
+    return verdicts.summary(chapter.comparisons, chapter.p)
 
 
 def _table_1(chapter: Chapter) -> list[str]:

@@ -1,6 +1,7 @@
-"""Comparisons in words and as a table: what is shown, and what is not."""
+"""Comparisons, summed up and as a table: what is shown, and what is not."""
 
 import math
+from collections import defaultdict
 from collections.abc import Sequence
 
 from ictamp_drake.learning.accuracy import Interval
@@ -10,6 +11,18 @@ from ictamp_drake.runs.markdown import table
 SIGNIFICANT = 0.05
 
 NOT_SHOWN = "no difference shown"
+
+TIME, STEPS = ("faster", "slower"), ("fewer steps", "more steps")
+"""What less and more of each is called."""
+
+TITLES: dict[frozenset[int] | None, str] = {
+    frozenset({1}): "Better than `{}`",
+    frozenset({-1}): "Worse than `{}`",
+    frozenset({1, -1}): "Better than `{}` in one figure and worse in another",
+    frozenset(): "No difference to `{}` shown",
+    None: "No run in common with `{}`",
+}
+"""Of groups of comparisons by the signs of what is shown, see `_shown`; None where there is nothing to compare."""
 
 HEADINGS = (
     "level",
@@ -28,13 +41,30 @@ HEADINGS = (
 )
 
 
-def sentences(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """A sentence a comparison; `p` are the probabilities as `comparison.adjusted` has them."""
-    return [_sentence(each, adjusted) for each, adjusted in zip(comparisons, p, strict=True)]
+def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
+    """What is and is not shown, as lines in Markdown: strategies in groups, with the levels where it is so.
+
+    Args:
+        comparisons: with the same reference.
+        p: their probabilities as `comparison.adjusted` has them.
+    """
+    groups = {signs: defaultdict[str, list[str]](list) for signs in TITLES}
+    for each, adjusted in zip(comparisons, p, strict=True):
+        shown = _shown(each, adjusted)
+        signs = frozenset(sign for sign, _ in shown) if each.pairs else None
+        figures = f" ({', '.join(text for _, text in shown)})" if shown else ""
+        groups[signs][each.strategy].append(each.level + figures)
+    parts = [
+        [f"**{TITLES[signs].format(comparisons[0].reference)}**", ""]
+        + [f"- `{name}`: {'; '.join(levels)}" for name, levels in strategies.items()]
+        for signs, strategies in groups.items()
+        if strategies
+    ]
+    return [line for part in parts for line in ("", *part)][1:]
 
 
 def rows(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """The lines of a table in Markdown with everything that the sentences rest on."""
+    """The lines of a table in Markdown with everything that the summary rests on."""
     return table(HEADINGS, [_cells(each, adjusted) for each, adjusted in zip(comparisons, p, strict=True)], left=2)
 
 
@@ -47,44 +77,23 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
     return less if interval.high < 1 else more if interval.low > 1 else NOT_SHOWN
 
 
-def _sentence(comparison: Comparison, p: float) -> str:
-    """E.g. "easy: **A is faster than B.** It solves as many (37 and 37 of 37; p = 1) and takes ..."."""
-    this, other = f"`{comparison.strategy}`", f"`{comparison.reference}`"
-    if not comparison.pairs:
-        return f"{comparison.level}: {this} and {other} have no run in common."
-    found = _differences(comparison, p)
-    headline = f"{this} {', '.join(found)} than {other}" if found else f"{NOT_SHOWN} between {this} and {other}"
-    return f"{comparison.level}: **{headline}.** {_solved(comparison, p)}{_ratios(comparison)}."
-
-
-def _differences(comparison: Comparison, p: float) -> list[str]:
-    won, lost = comparison.only
-    solved = [f"solves {'more' if won > lost else 'fewer'}"] if p < SIGNIFICANT else []
-    time = verdict(comparison.time, "is faster", "is slower")
-    steps = verdict(comparison.steps, "needs fewer steps", "needs more steps")
-    return [*solved, *(each for each in (time, steps) if each.startswith(("is", "needs")))]
-
-
-def _solved(comparison: Comparison, p: float) -> str:
-    this, other = comparison.solved
-    more = f"{abs(this - other)} {'more' if this > other else 'fewer'}" if this != other else "as many"
-    raised = f", {probability(p)} by Holm" if comparison.p < SIGNIFICANT else ""
-    test = f"p = {probability(comparison.p)}".replace("= <", "<")
-    return f"It solves {more} ({this} and {other} of {comparison.pairs}; {test}{raised})"
-
-
-def _ratios(comparison: Comparison) -> str:
-    if comparison.time is None:
-        return ", and no problem is solved by both"
-    ratios = f"{_ratio(comparison.time)} of the time"
-    ratios += "" if comparison.steps is None else f" and {_ratio(comparison.steps)} of the steps"
-    problems = f"{comparison.both} problem{'s' if comparison.both > 1 else ''}"
-    return f"; on the {problems} that both solve it takes {ratios}"
+def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
+    """Every difference that is shown: 1 where the strategy is better and -1 where it is worse, and the figures."""
+    shown = []
+    if p < SIGNIFICANT:
+        sign = 1 if comparison.only[0] > comparison.only[1] else -1
+        this, other = comparison.solved
+        solves = f"solves {'more' if sign > 0 else 'fewer'}, {this} against {other} of {comparison.pairs}"
+        shown.append((sign, f"{solves}, p = {probability(p)}".replace("= <", "<")))
+    for interval, less, more, of in ((comparison.time, *TIME, "time"), (comparison.steps, *STEPS, "steps")):
+        found = verdict(interval, less, more)
+        if found in (less, more):
+            shown.append((1 if found == less else -1, f"{_ratio(interval)} of the {of}"))
+    return shown
 
 
 def _cells(comparison: Comparison, p: float) -> list[str]:
-    time = verdict(comparison.time, "faster", "slower")
-    steps = verdict(comparison.steps, "fewer", "more")
+    time, steps = verdict(comparison.time, *TIME), verdict(comparison.steps, *STEPS)
     return [
         comparison.level,
         comparison.strategy,

@@ -1,4 +1,4 @@
-"""Comparisons in words."""
+"""Comparisons, summed up and as a table."""
 
 import math
 from dataclasses import replace
@@ -7,47 +7,60 @@ import pytest
 
 from ictamp_drake.learning.accuracy import Interval
 from ictamp_drake.runs.comparison import Comparison
-from ictamp_drake.runs.verdicts import probability, rows, sentences, verdict
+from ictamp_drake.runs.verdicts import probability, rows, summary, verdict
 
 FASTER, EVEN, SLOWER = Interval(0.71, 0.6, 0.84), Interval(1.0, 0.9, 1.1), Interval(1.4, 1.2, 1.6)
 SAME = Comparison("medium", "X", "Y", 37, (37, 37), (0, 0), 1.0, 37, EVEN, Interval(1.0, 1.0, 1.0))
 
 
-def test_the_faster_one_is_called_so() -> None:
-    assert sentences([replace(SAME, time=FASTER)], [1.0]) == [
-        "medium: **`X` is faster than `Y`.** It solves as many (37 and 37 of 37; p = 1); on the 37 problems that both "
-        "solve it takes 0.71 (0.60 to 0.84) of the time and 1.00 (1.00 to 1.00) of the steps."
+def test_the_faster_one_is_better() -> None:
+    assert summary([replace(SAME, time=FASTER)], [1.0]) == [
+        "**Better than `Y`**",
+        "",
+        "- `X`: medium (0.71 (0.60 to 0.84) of the time)",
     ]
 
 
-def test_the_slower_one_that_solves_more_is_called_both() -> None:
-    worse = replace(SAME, time=SLOWER, steps=SLOWER, solved=(37, 25), only=(12, 0), p=0.0005, both=25)
-    (sentence,) = sentences([worse], [0.004])
-    assert sentence.startswith("medium: **`X` solves more, is slower, needs more steps than `Y`.**")
-    assert "It solves 12 more (37 and 25 of 37; p = 0.0005, 0.004 by Holm)" in sentence
+def test_the_slower_one_that_solves_more_is_both() -> None:
+    both = replace(SAME, time=SLOWER, steps=SLOWER, solved=(37, 25), only=(12, 0), p=0.0005, both=25)
+    title, _, line = summary([both], [0.004])
+    assert title == "**Better than `Y` in one figure and worse in another**"
+    assert line == (
+        "- `X`: medium (solves more, 37 against 25 of 37, p = 0.004, 1.40 (1.20 to 1.60) of the time, "
+        "1.40 (1.20 to 1.60) of the steps)"
+    )
 
 
-def test_the_loser_is_called_so() -> None:
-    (sentence,) = sentences([replace(SAME, solved=(20, 37), only=(0, 17), p=1e-5)], [1e-4])
-    assert sentence.startswith("medium: **`X` solves fewer than `Y`.** It solves 17 fewer")
-    assert "p < 0.0001, 0.0001 by Holm" in sentence
+def test_the_loser_is_worse() -> None:
+    title, _, line = summary([replace(SAME, solved=(20, 37), only=(0, 17), p=1e-6)], [1e-5])
+    assert title == "**Worse than `Y`**"
+    assert line == "- `X`: medium (solves fewer, 20 against 37 of 37, p < 0.0001)"
 
 
 @pytest.mark.parametrize(
     ("solved", "p", "raised"), [((37, 37), 1.0, 1.0), ((37, 34), 0.25, 1.0), ((37, 30), 0.02, 0.2)]
 )
 def test_what_is_not_shown_is_called_so(solved: tuple[int, int], p: float, raised: float) -> None:
-    (sentence,) = sentences([replace(SAME, solved=solved, only=(solved[0] - solved[1], 0), p=p)], [raised])
-    assert sentence.startswith("medium: **no difference shown between `X` and `Y`.**")
+    lines = summary([replace(SAME, solved=solved, only=(solved[0] - solved[1], 0), p=p)], [raised])
+    assert lines == ["**No difference to `Y` shown**", "", "- `X`: medium"]
 
 
-def test_what_cannot_be_compared_says_why() -> None:
+def test_strategies_are_grouped_by_what_is_shown_and_levels_by_strategy() -> None:
     nothing = replace(SAME, pairs=0, solved=(0, 0), both=0, time=None, steps=None)
-    alone = replace(nothing, pairs=3, solved=(2, 0), only=(2, 0), p=0.5)
-    assert sentences([nothing, alone], [1.0, 1.0]) == [
-        "medium: `X` and `Y` have no run in common.",
-        "medium: **no difference shown between `X` and `Y`.** It solves 2 more (2 and 0 of 3; p = 0.5), and no problem "
-        "is solved by both.",
+    faster = replace(SAME, strategy="Z", level="hard", time=FASTER)
+    lines = summary([SAME, replace(SAME, level="hard"), replace(nothing, strategy="Z"), faster], [1.0] * 4)
+    assert lines == [
+        "**Better than `Y`**",
+        "",
+        "- `Z`: hard (0.71 (0.60 to 0.84) of the time)",
+        "",
+        "**No difference to `Y` shown**",
+        "",
+        "- `X`: medium; hard",
+        "",
+        "**No run in common with `Y`**",
+        "",
+        "- `Z`: medium",
     ]
 
 
@@ -66,7 +79,7 @@ def test_a_ratio_is_put_plainly(interval: Interval | None, text: str) -> None:
     assert verdict(interval, "faster", "slower") == text
 
 
-def test_the_table_holds_what_the_sentences_say() -> None:
+def test_the_table_holds_what_the_summary_says() -> None:
     lines = rows([replace(SAME, time=FASTER), replace(SAME, time=None, steps=None, both=0)], [1.0, 1.0])
     assert "| medium | X | 37 | 37 and 37 | 0 | 0 | 1 | 1 | 37 | 0.71 (0.60 to 0.84) | faster |" in lines[2]
     assert lines[3].endswith("| 0 | - | no problem in common | - | no problem in common |")
