@@ -1,8 +1,9 @@
-"""Tables, pictures and a page of what runs of several strategies show (paper, Experiments: Table 1, Figures 2 and 3).
+"""Tables, pictures and a page of what runs of several strategies show (paper, Experiments: Table 1, Figures 1 to 3).
 
 `python -m ictamp_drake.experiments.report --runs benchmarks/results/paper benchmarks/results/default`
 """
 
+import json
 import os
 import shlex
 import sys
@@ -10,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 from rich.console import Console
@@ -25,6 +27,7 @@ from ictamp_drake.viz.curves import success
 from ictamp_drake.viz.effort import depths, stages
 from ictamp_drake.viz.figures import write_figures
 from ictamp_drake.viz.gallery import examples, gallery
+from ictamp_drake.viz.growth import draw_growth
 
 NAME = "ictamp_drake.experiments.report"
 
@@ -38,12 +41,14 @@ class Report:
         out: folder for tables and pictures; the page gets its name with the suffix .md.
         against: strategy that all others are held against, by default the first one of the first folder. A folder
             without it takes its own first one.
+        search: record of a search, tree.json, whose growth is drawn when it is there.
         accuracy: picture of the estimators' accuracy, for which the page has a place when it is there.
     """
 
     runs: tuple[Path, ...]
     out: Path = Path("docs/results")
     against: str | None = None
+    search: Path = Path("benchmarks/results/search/tree.json")
     accuracy: Path = Path("benchmarks/estimator_accuracy/figure_3.png")
 
 
@@ -51,10 +56,12 @@ def report(options: Report, console: Console, typed: str) -> int:
     """Read all runs, then write the page, its tables and its pictures; returns the exit code.
 
     Raises:
-        IctampError: a folder holds no runs or broken ones, two have the same name, or no strategy has the name.
+        IctampError: a folder holds no runs or broken ones, two have the same name, no strategy has the name, or the
+            search is no record of one.
     """
     regimes, out = _regimes(options.runs), options.out
     against = _against(options.against, regimes)
+    search = _tree(options.search) if options.search.is_file() else None
     out.mkdir(parents=True, exist_ok=True)
     chapters = [_chapter(regime, against, out) for regime in regimes]
     write_figures({"figure_2.png": lambda: gallery(examples())}, out)
@@ -63,6 +70,9 @@ def report(options: Report, console: Console, typed: str) -> int:
     write_whole(out / "table_1.tex", results_table.latex(rows))
     files = {"figure_2": f"{out.name}/figure_2.png"}
     files |= {name: f"{out.name}/{name}" for name in ("table_1.csv", "table_1.tex")}
+    if search is not None:
+        draw_growth(search, out / "figure_1.svg")
+        files["figure_1"] = f"{out.name}/figure_1.svg"
     if options.accuracy.is_file():
         files["figure_3"] = os.path.relpath(options.accuracy, out.parent)
     write_whole(out.with_name(f"{out.name}.md"), page(chapters, typed, files))
@@ -81,6 +91,16 @@ def _chapter(regime: Regime, against: str, out: Path) -> Chapter:
     write_figures({f"{regime.name}_{what}.png": draw for what, draw in figures.items()}, out)
     pictures = {what: f"{out.name}/{regime.name}_{what}.png" for what in figures}
     return Chapter.create(regime, against if against in regime.strategies else regime.strategies[0], pictures)
+
+
+def _tree(path: Path) -> dict[str, Any]:
+    try:
+        tree = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise IctampError(f"{path}: is not JSON: {error}") from error
+    if not isinstance(tree, dict) or not {"nodes", "log"} <= tree.keys():
+        raise IctampError(f"{path}: is no record of a search, which has nodes and a log")
+    return tree
 
 
 def _regimes(folders: Sequence[Path]) -> list[Regime]:

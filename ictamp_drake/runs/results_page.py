@@ -31,6 +31,13 @@ PAIRED = (
     "say so. Problems that one of both left unsolved are not in the ratios."
 )
 
+SEARCH = (
+    "The tree of one search after each quarter of its log (paper, Figure 1). A disc is a node, in the colour of the "
+    "plan that led to it; a cross is a failed step; what is new since the picture before is dark; green is the way to "
+    "the goal. The same for any problem, to step through and with replays, is in the `search.html` that "
+    "`ictamp_drake.experiments.packing` leaves."
+)
+
 EFFORT = (
     "Means over all runs, solved or not. `failed steps`: share of the low-level steps. Medians of the solved runs: "
     "`steps / skill`, low-level steps for each skill of the plan, 1 at best; `overhead`, time of the run as a multiple "
@@ -88,26 +95,27 @@ def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> s
     Args:
         chapters: a regime each.
         typed: command that made the page.
-        files: where these are, seen from the page: figure_2, table_1.tex, table_1.csv and, if there is one, figure_3.
+        files: where these are, seen from the page: figure_2, table_1.tex, table_1.csv and, if there are any, figure_1
+            and figure_3.
     """
     about = TABLE_1.format(latex=files["table_1.tex"], csv=files["table_1.csv"])
     parts = [
         ["# Results", "", "This page, its tables and its pictures are made by", "", "```", typed, "```", ""],
         [*_made(chapters), ""],
         _section("What is and is not significant", PAIRED, chapters, _significance),
-        ["## Scenes", "", SCENES, "", _image("Figure 2", files["figure_2"]), ""],
+        _figure("Scenes", SCENES, "Figure 2", files["figure_2"]),
         _section("Table 1", about, chapters, _table_1),
         ["### The paper's own", "", PAPER, "", *results_table.markdown(results_table.published()), ""],
         _section("Success over time and steps", "", chapters, lambda of: of.picture("success")),
         _section("Paired comparisons", "", chapters, _paired),
+        _figure("A search over time", SEARCH, "Figure 1", files.get("figure_1")),
         _section("Search behaviour", EFFORT, chapters, lambda of: search_tables.effort(of.regime.runs)),
         _section("Where the time goes", STAGES, chapters, _stages),
         _section("Where in the tree the steps go", DEPTHS, chapters, lambda of: of.picture("depths")),
         _section("Why steps fail", "", chapters, lambda of: search_tables.failures(of.regime.runs)),
         _section("Interference", INTERFERENCE, chapters, lambda of: search_tables.interference(of.regime.runs)),
+        _figure("How close P and Q are to counted success", "", "Figure 3", files.get("figure_3")),
     ]
-    if "figure_3" in files:
-        parts.append(["## How close P and Q are to counted success", "", _image("Figure 3", files["figure_3"]), ""])
     return "\n".join(line for part in parts for line in part).rstrip() + "\n"
 
 
@@ -118,6 +126,11 @@ def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[C
         return []
     parts = [line for name, lines in found.items() if lines for line in (f"### {name}", "", *lines, "")]
     return [f"## {title}", "", *([text, ""] if text else []), *parts]
+
+
+def _figure(title: str, text: str, what: str, link: str | None) -> list[str]:
+    """A section of one picture; nothing when there is none."""
+    return [f"## {title}", "", *([text, ""] if text else []), _image(what, link), ""] if link else []
 
 
 def _image(what: str, link: str) -> str:

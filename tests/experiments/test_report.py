@@ -1,5 +1,6 @@
 """The program that says what runs show, as its users run it."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,8 @@ from ictamp_drake.experiments import report as program
 from ictamp_drake.runs.records import Record
 from tests.runs import recorded
 from tests.runs.programs import run
+
+GOLDEN = Path(__file__).parents[1] / "golden" / "walls.json"
 
 
 def records() -> list[Record]:
@@ -29,18 +32,21 @@ def written(folder: Path) -> dict[str, bytes]:
 def test_the_page_and_all_that_it_shows_are_written_the_same_every_time(tmp_path: Path) -> None:
     recorded.folder_of(tmp_path / "runs" / "paper", records())
     recorded.folder_of(tmp_path / "runs" / "default", records()[::-1])
+    (tmp_path / "tree.json").write_text(json.dumps(json.loads(GOLDEN.read_text())["tree"]))
     found = []
     for hash_seed in (0, 1):
-        given = ("--runs", "runs/paper", "runs/default", "--out", "docs/results")
+        given = ("--runs", "runs/paper", "runs/default", "--out", "docs/results", "--search", "tree.json")
         done = run("experiments.report", *given, folder=tmp_path, hash_seed=hash_seed)
         assert done.returncode == 0, done.stderr
         found.append(written(tmp_path / "docs"))
     assert found[0] == found[1]
     drawn = [f"{regime}_{what}.png" for regime in ("paper", "default") for what in ("success", "stages", "depths")]
-    names = ["table_1.csv", "table_1.tex", "figure_2.png", *drawn]
+    names = ["table_1.csv", "table_1.tex", "figure_1.svg", "figure_2.png", *drawn]
     assert set(found[0]) == {"results.md", *(f"results/{name}" for name in names)}
     page = found[0]["results.md"].decode()
-    assert "python -m ictamp_drake.experiments.report --runs runs/paper runs/default --out docs/results" in page
+    assert (
+        "python -m ictamp_drake.experiments.report --runs runs/paper runs/default --out docs/results --search" in page
+    )
     assert all(f"(results/{name})" in page for name in names)
     assert "somewhere" not in page, "no paths of a machine"
     assert str(tmp_path) not in page
@@ -69,6 +75,11 @@ def test_the_reference_can_be_chosen_and_a_folder_without_it_takes_its_own(tmp_p
         (["--runs", "{folder}/broken"], "broken/results.jsonl: line 2 is not a record: "),
         (["--runs", "{folder}/paper", "--against", "c"], "against is 'c', but must be one of: a, b"),
         (["--runs", "{folder}/paper", "{folder}/paper"], "2 folders are named 'paper', but names must be different"),
+        (["--runs", "{folder}/paper", "--search", "{folder}/paper/config.yaml"], "paper/config.yaml: is not JSON: "),
+        (
+            ["--runs", "{folder}/paper", "--search", "{folder}/empty.json"],
+            "empty.json: is no record of a search, which has nodes and a log",
+        ),
         (["--runs"], "runs: no folder is given, but there must be at least one"),
     ],
 )
@@ -79,6 +90,7 @@ def test_mistakes_are_answered_with_a_sentence(
     broken = recorded.folder_of(tmp_path / "broken", records()[:1])
     with (broken / "results.jsonl").open("a") as file:
         file.write('{"problem": "easy-0')
+    (tmp_path / "empty.json").write_text("{}")
     given = [each.format(folder=tmp_path) for each in arguments]
     assert program.main([*given, "--out", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err

@@ -26,7 +26,9 @@ def text() -> str:
         Chapter.create(alone, "c", {"success": "results/a lone.png", "stages": "results/alone.png"}),
     ]
     files = {name: f"results/{name}" for name in ("figure_2", "table_1.tex", "table_1.csv")}
-    return page(chapters, "python -m report", {**files, "figure_3": "../figure_3.png"})
+    return page(
+        chapters, "python -m report", {**files, "figure_1": "results/figure_1.svg", "figure_3": "../figure_3.png"}
+    )
 
 
 def test_it_begins_with_how_it_was_made(text: str) -> None:
@@ -54,6 +56,7 @@ def test_pictures_stand_where_they_belong(text: str) -> None:
         ("Figure 2", "results/figure_2"),
         ("success, paper", "results/paper_success.png"),
         ("success, alone", "results/a%20lone.png"),
+        ("Figure 1", "results/figure_1.svg"),
         ("stages, paper", "results/paper_stages.png"),
         ("stages, alone", "results/alone.png"),
         ("depths, paper", "results/paper_depths.png"),
@@ -67,8 +70,14 @@ def test_a_regime_is_in_every_section_that_has_something_of_it(text: str) -> Non
         name: [section.partition("\n")[0] for section in sections if f"### {name}\n" not in section]
         for name in ("paper", "alone")
     }
-    common = ["Scenes", "How close P and Q are to counted success"]
+    common = ["Scenes", "A search over time", "How close P and Q are to counted success"]
     assert without["paper"] == common
-    assert without["alone"] == ["Scenes", "Paired comparisons", "Where in the tree the steps go", common[1]]
+    assert without["alone"] == [
+        "Scenes",
+        "Paired comparisons",
+        "A search over time",
+        "Where in the tree the steps go",
+        "How close P and Q are to counted success",
+    ]
     assert text.count("| easy | p_score | 45 of 55 |") == 1
     assert "\n\n\n" not in text
