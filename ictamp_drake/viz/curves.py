@@ -45,12 +45,13 @@ def success(runs: pd.DataFrame, time_limit: float | None) -> Figure:
 
 
 def _panel(axes: Axes, runs: pd.DataFrame, figure: str, end: float) -> None:
-    """A curve a strategy, also for one that did not run here, so that all panels have the same lines."""
+    """A curve a strategy; one that did not run here has an empty one, so that all panels have the same lines."""
     least, most = runs.loc[runs["solved"], figure].agg(["min", "max"])
     end = max(end, most)  # the end itself when most is nan
     for name, (colour, dash) in zip(runs["strategy"].cat.categories, styles(), strict=False):
         of = runs[runs["strategy"] == name]
-        reached, share = curve(of.loc[of["solved"], figure].to_numpy(np.float64), len(of), end)
+        solved = of.loc[of["solved"], figure].to_numpy(np.float64)
+        reached, share = curve(solved, len(of), end) if len(of) else (np.empty(0), np.empty(0))
         axes.step(reached, share, where="post", color=colour, ls=dash, lw=1.6, label=name)
     if least > 0:
         axes.set(xscale="log", xlim=(least / BEYOND, end))
@@ -71,7 +72,7 @@ def curve(solved: FloatArray, runs: int, end: float) -> tuple[FloatArray, FloatA
         end: last place of the curve, none of them lies behind it.
     """
     places = np.sort(solved)
-    shares = np.arange(1, len(places) + 1) / max(1, runs)
+    shares = np.arange(1, len(places) + 1) / runs
     last = shares[-1] if len(shares) else 0.0
     return np.array([0.0, *places, end]), np.array([0.0, *shares, last])
 

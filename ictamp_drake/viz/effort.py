@@ -35,7 +35,7 @@ def stages(runs: pd.DataFrame) -> Figure:
         axes.set(title=level, xlabel="seconds a run")
     handles, labels = panels[0].get_legend_handles_labels()
     names = [label.replace("_", " ") for label in labels]
-    figure.legend(handles, names, loc="outside lower center", ncols=len(names), frameon=False)
+    figure.legend(handles, names, loc="outside lower center", ncols=min(3 * len(levels), len(names)), frameon=False)
     return figure
 
 

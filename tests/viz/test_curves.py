@@ -41,6 +41,7 @@ def test_a_line_a_strategy_and_a_column_a_level() -> None:
     assert np.array(second.get_ydata()).tolist() == [0, 0.5, 0.5]
     assert np.array(easy_steps.get_lines()[1].get_xdata()).tolist() == [0, 6, 112.5]
     assert len(hard_time.get_lines()) == len(hard_steps.get_lines()) == 2
+    assert len(hard_time.get_lines()[1].get_xdata()) == 0, "did not run there"
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["a", "b"]
 

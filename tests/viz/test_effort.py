@@ -49,3 +49,11 @@ def test_the_tree_has_a_panel_a_level_and_a_row_a_strategy_that_knows() -> None:
 
 def test_every_stage_has_its_own_colour() -> None:
     assert len(set(STAGES.values())) == len(STAGES)
+
+
+@pytest.mark.parametrize("levels", [("easy",), ("easy", "hard")])
+def test_no_stage_in_the_legend_is_cut_off(levels: tuple[str, ...]) -> None:
+    figure = stages(table(*(run("a", level=level, seconds_by_stage=dict.fromkeys(STAGES, 1.0)) for level in levels)))
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= legend.x0 < legend.x1 <= figure.bbox.x1
