@@ -6,6 +6,8 @@ benchmarks/fine_step.md.
 """
 
 import dataclasses
+import shlex
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -31,9 +33,11 @@ class Options:
 
     Attributes:
         run: folder of the run.
+        strategies: whose plans, all by default.
     """
 
     run: Path
+    strategies: tuple[str, ...] = ()
 
 
 def holds(plan: Path) -> bool:
@@ -43,26 +47,19 @@ def holds(plan: Path) -> bool:
 
 def main() -> None:
     """Execute, count, write."""
-    run = tyro.cli(Options, description=__doc__).run
+    options = tyro.cli(Options, description=__doc__)
+    run, wanted = options.run, options.strategies
     records = [record for record in read_records(run / RESULTS).values() if record.solved]
+    records = [record for record in records if record.strategy in wanted or not wanted]
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
         held = list(pool.map(holds, [run / record.name / "plan.yaml" for record in records]))
     rows = [(record.level, record.strategy, holding) for record, holding in zip(records, held, strict=True)]
-    counts = (
-        pd.DataFrame(rows, columns=["level", "strategy", "held"])
-        .groupby(["level", "strategy"], sort=False)["held"]
-        .agg(["sum", "size"])
-        .reset_index()
-    )
+    plans = pd.DataFrame(rows, columns=["level", "strategy", "held"])
+    counts = plans.groupby(["level", "strategy"], sort=False)["held"].agg(["sum", "size"]).reset_index()
     lost = [record.name for record, holding in zip(records, held, strict=True) if not holding]
-    lines = [
-        "# Plans executed with a physics step of 1 ms",
-        "",
-        f"By `python benchmarks/fine_step.py --run {run}`.",
-        "",
-    ]
-    lines += markdown.table(["level", "strategy", "hold", "of"], counts.to_numpy(), left=2)
-    lines += ["", f"Do not hold: {', '.join(lost) or 'none'}."]
+    head = f"# Plans executed with a physics step of 1 ms\n\nBy `{shlex.join(['python', *sys.argv])}`.\n"
+    table = markdown.table(["level", "strategy", "hold", "of"], counts.to_numpy(), left=2)
+    lines = [head, *table, "", f"Do not hold: {', '.join(lost) or 'none'}."]
     OUT.write_text("\n".join(lines) + "\n")
     print(OUT.read_text())
 
