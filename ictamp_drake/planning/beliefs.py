@@ -28,7 +28,7 @@ class BeliefsConfig:
 
     strength: float = 4.0
     transfer: float = 0.25
-    floor: float = 0.02
+    floor: float = 0.1
     hope: float = 0.9
     duration: float = 0.5
 
@@ -43,14 +43,14 @@ class BeliefsConfig:
 class Beliefs(Generic[C]):
     """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
 
-    An edge that no node could attempt yet is believed in as edges of its action's name were estimated and as it went
-    elsewhere.
+    A node that is not reached yet may be any of those that were and hold the same edge, or one from which P is what it
+    mostly is for actions of this name.
     """
 
     def __init__(self, config: BeliefsConfig, estimator: Estimator[C]) -> None:
         self._config = config
         self._estimates = Estimates(estimator)
-        self._P: defaultdict[str, dict[RunStep, float]] = defaultdict(dict)
+        self._P: defaultdict[_Edge, dict[int, float]] = defaultdict(dict)
         self._here: defaultdict[tuple[int, Action], _Evidence] = defaultdict(_Evidence)
         self._anywhere: defaultdict[_Edge, _Evidence] = defaultdict(_Evidence)
         self._seconds: defaultdict[tuple[str, bool], list[float]] = defaultdict(list)
@@ -66,28 +66,33 @@ class Beliefs(Generic[C]):
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
         for run, P in zip(runs, self._estimates.of(tree, runs), strict=True):
-            self._P[tree.plans[run.plan].actions[0].name][run] = max(self._config.floor, P)
+            self._P[_first_edge(tree.plans[run.plan])][run.node] = max(self._config.floor, P)
         rest = {run.plan: self._rest(tree.plans[run.plan]) for run in runs}
         return [self._first(run, tree.plans[run.plan]) + rest[run.plan] for run in runs]
 
     def hoped(self, plan: Skeleton) -> float:
         """What `remaining` would be had nothing been attempted yet [s]."""
-        return sum(self._time(action, self._prior(action)) for action in plan.actions)
+        return sum(self._time(action, self._usual(action.name)) for action in plan.actions)
 
     def _first(self, run: RunStep, plan: Skeleton) -> float:
         """Time of the plan's first action from this node: attempts from here count in full."""
-        action = plan.actions[0]
-        here, anywhere = self._here[run.node, action], self._anywhere[plan.states[0], action]
-        return self._time(action, self._posterior(self._P[action.name][run], anywhere, here))
+        s, action = edge = _first_edge(plan)
+        here, anywhere = self._here[run.node, action], self._anywhere[s, action]
+        return self._time(action, self._posterior(self._P[edge][run.node], anywhere, here))
 
     def _rest(self, plan: Skeleton) -> float:
         """Time of all later actions, from nodes that are not reached yet."""
-        edges = list(zip(plan.states, plan.actions, strict=False))[1:]
-        beliefs = (self._posterior(self._prior(action), self._anywhere[s, action]) for s, action in edges)
-        return sum(self._time(action, belief) for (_, action), belief in zip(edges, beliefs, strict=True))
+        return sum(self._ahead(edge) for edge in list(zip(plan.states, plan.actions, strict=False))[1:])
 
-    def _prior(self, action: Action) -> float:
-        estimates = self._P[action.name].values()
+    def _ahead(self, edge: "_Edge") -> float:
+        """Time of an action from a node that is not reached yet: the mean over all that it may be."""
+        _, action = edge
+        estimates = [self._usual(action.name), *self._P[edge].values()]
+        return fmean(self._time(action, self._posterior(P, self._anywhere[edge])) for P in estimates)
+
+    def _usual(self, name: str) -> float:
+        """Mean P of actions of this name."""
+        estimates = [P for (_, action), of in self._P.items() if action.name == name for P in of.values()]
         return fmean(estimates) if estimates else self._config.hope
 
     def _posterior(self, P: float, anywhere: "_Evidence", here: "_Evidence | None" = None) -> float:
@@ -106,6 +111,10 @@ class Beliefs(Generic[C]):
 
 _Edge = tuple[State, Action]
 """An edge of the high-level graph."""
+
+
+def _first_edge(plan: Skeleton) -> _Edge:
+    return plan.states[0], plan.actions[0]
 
 
 @dataclass

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.tree import Opening
 from tests.toy_world import RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
 
@@ -36,10 +37,26 @@ def test_an_estimator_that_condemns_a_configuration_sends_the_search_back_at_onc
             return seen
 
     world = ToyWorld(size=(2, 0), doors={(2, 0): 0.3})
+    trusting = AdaptiveConfig(BeliefsConfig(floor=0.01))
     for seed in range(10):
-        result = toy_planner(world, rule=RULE, estimator=Seeing({RIGHT: 1.0, UP: 1.0}), seed=seed).run()
+        result = toy_planner(world, rule=trusting, estimator=Seeing({RIGHT: 1.0, UP: 1.0}), seed=seed).run()
         at_door = [step for step in result.tree.steps if result.tree.nodes[step.node].depth == 1]
         assert [step.attempt.succeeded for step in at_door] == [True]
+
+
+def test_an_estimator_that_condemns_wherever_the_search_comes_is_not_trusted_for_ever() -> None:
+    """Every step succeeds, but P of the second is 0; running the first again would never bring a better node."""
+    world = ToyWorld(size=(2, 0))
+
+    class Blind(TableEstimator):
+        def estimate(self, options):  # type: ignore[no-untyped-def]
+            seen = super().estimate(options)
+            seen[[c.cell == (1, 0) for c, _ in options]] = 0.0
+            return seen
+
+    result = toy_planner(world, rule=RULE, estimator=Blind({RIGHT: 0.9, UP: 0.9})).run()
+    assert result.solved
+    assert result.low_level_steps <= 1 / BeliefsConfig().floor
 
 
 def test_a_plan_whose_later_actions_are_blocked_is_left() -> None:
