@@ -1,8 +1,8 @@
 """Whether found plans hold with a finer physics step: `python benchmarks/fine_step.py --run runs/default`.
 
-Executes each plan.yaml of a run that kept them (--artefacts plan) once more, with a step of 1 ms: some ten seconds a
-plan on each of 2 cores. Writes a table by level and strategy, and which plans do not end in the goal then, to
-benchmarks/fine_step.md.
+Executes each plan.yaml of a run that kept them (--artefacts plan) once more, with a step of 1 ms: ten seconds for a
+short plan and 25 for one of a hard problem, on each of 2 cores. Writes a table by level and strategy, and which plans
+do not end in the goal then, to benchmarks/fine_step.md.
 """
 
 import dataclasses

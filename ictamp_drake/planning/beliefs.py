@@ -65,20 +65,22 @@ class Beliefs(Generic[C]):
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
-        for run, P in zip(runs, self._estimates.of(tree, runs), strict=True):
-            self._P[_first_edge(tree.plans[run.plan])][run.node] = max(self._config.floor, P)
+        estimates = [max(self._config.floor, P) for P in self._estimates.of(tree, runs)]
+        edges = [(tree.plans[run.plan].states[0], tree.plans[run.plan].actions[0]) for run in runs]
+        steps = list(zip(runs, edges, estimates, strict=True))
+        for run, edge, P in steps:
+            self._P[edge][run.node] = P
         rest = {run.plan: self._rest(tree.plans[run.plan]) for run in runs}
-        return [self._first(run, tree.plans[run.plan]) + rest[run.plan] for run in runs]
+        return [self._first(run.node, edge, P) + rest[run.plan] for run, edge, P in steps]
 
     def hoped(self, plan: Skeleton) -> float:
         """What `remaining` would be had nothing been attempted yet [s]."""
         return sum(self._time(action, self._usual(action.name)) for action in plan.actions)
 
-    def _first(self, run: RunStep, plan: Skeleton) -> float:
-        """Time of the plan's first action from this node: attempts from here count in full."""
-        s, action = edge = _first_edge(plan)
-        here, anywhere = self._here[run.node, action], self._anywhere[s, action]
-        return self._time(action, self._posterior(self._P[edge][run.node], anywhere, here))
+    def _first(self, node: int, edge: "_Edge", P: float) -> float:
+        """Time of an action from this node: attempts from here count in full."""
+        _, action = edge
+        return self._time(action, self._posterior(P, self._anywhere[edge], self._here[node, action]))
 
     def _rest(self, plan: Skeleton) -> float:
         """Time of all later actions, from nodes that are not reached yet."""
@@ -111,10 +113,6 @@ class Beliefs(Generic[C]):
 
 _Edge = tuple[State, Action]
 """An edge of the high-level graph."""
-
-
-def _first_edge(plan: Skeleton) -> _Edge:
-    return plan.states[0], plan.actions[0]
 
 
 @dataclass
