@@ -36,7 +36,7 @@ def work(options: Plan) -> Work:
     """
     task = prepare(options.scene, options.method)
     name = options.scene.stem
-    about = {"program": "plan", "scene": asdict(task.spec), "options": asdict(options.method)}
+    about = {"program": "plan", "scene": asdict(task.spec), "options": options.method.decisive}
     return Work(name, about, [Job(Problem(name, options.scene.absolute()), options.method)], options.conduct)
 
 

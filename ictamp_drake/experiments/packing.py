@@ -4,7 +4,7 @@
 """
 
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Annotated
 
 import tyro
@@ -41,7 +41,7 @@ def work(options: Packing) -> Work:
     level = options.level
     files = problem_files(level, options.problems)
     jobs = [Job(Problem(f"{level}-{path.stem}", path, level), options.method) for path in files]
-    about = {"program": "packing", "level": level, "options": asdict(options.method)}
+    about = {"program": "packing", "level": level, "options": options.method.decisive}
     return Work(f"packing-{level}", about, jobs, options.conduct)
 
 

@@ -8,7 +8,7 @@ same command with --out FOLDER goes on where it was interrupted, and may add str
 
 import sys
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Annotated
 
 import tyro
@@ -61,7 +61,7 @@ def work(options: Runner) -> Work:
         for strategy, seeded in by_strategy.items()
         for method in seeded
     ]
-    strategies = {name: _seedless(asdict(seeded[0])) for name, seeded in by_strategy.items()}
+    strategies = {name: _seedless(seeded[0].decisive) for name, seeded in by_strategy.items()}
     about = {"program": "runner", "regime": options.regime, "strategies": strategies}
     return Work(f"runner-{options.regime}", about, jobs, options.conduct)
 

@@ -72,6 +72,15 @@ class Planners:
     adaptive: AdaptiveConfig = AdaptiveConfig()
 
 
+FAMILIES: dict[str, type] = {
+    "sampler": Samplers,
+    "estimator": Estimators,
+    "generator": Generators,
+    "planner": Planners,
+}
+"""What each choice of a `Method` is among."""
+
+
 def choices(configs: type) -> tuple[str, ...]:
     """What can be chosen from a dataclass of configurations, as it is written on the command line."""
     return tuple(field.name.replace("_", "-") for field in dataclasses.fields(configs))
@@ -131,8 +140,7 @@ class Method:
         check_range("max-steps", self.max_steps or 0, 0, 1e9)
         check_range("seed", self.seed, 0, 2**63 - 1)
         check_range("max-expansions", self.max_expansions, 1, 1e9)
-        families = {"sampler": Samplers, "estimator": Estimators, "generator": Generators, "planner": Planners}
-        for field, family in families.items():
+        for field, family in FAMILIES.items():
             name = getattr(self, field).replace("_", "-")  # both ways of writing a name
             check_choice(field, name, choices(family))
             object.__setattr__(self, field, name)
@@ -164,6 +172,17 @@ class Method:
             stap, critics = self.planners.stap, self.estimators.q_value
             return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
         return chosen(self.estimators, self.estimator)
+
+    @property
+    def decisive(self) -> dict[str, Any]:
+        """Every option that decides how a problem is solved: all but the constants of what is not chosen."""
+        values = dataclasses.asdict(self)
+        used = {choice: getattr(self, choice) for choice in FAMILIES}
+        used |= {"estimator": "q-value"} if self.planner == "stap" else {}
+        for choice, name in used.items():
+            field = name.replace("-", "_")
+            values[f"{choice}s"] = {field: values[f"{choice}s"][field]}
+        return values
 
     def budget(self, elapsed: float) -> Budget:
         """What the search may spend when `elapsed` [s] of the time limit are spent."""

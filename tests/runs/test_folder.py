@@ -1,20 +1,21 @@
 """The run folder: new ones, continued ones, and all that cannot be continued."""
 
 import os
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.runs.folder import opened
 from ictamp_drake.runs.options import Conduct, Method, Planners
 from ictamp_drake.world.simulate import PhysicsConfig
 
 WORK = {"program": "packing", "level": "easy"}
-OPTIONS = {"options": asdict(Method())}
+OPTIONS = {"options": Method().decisive}
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +24,7 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def start(method: Method | None = None, work: dict[str, object] | None = None, **conduct: object) -> Path:
-    about = {**(work or WORK), "options": asdict(method or Method())}
+    about = {**(work or WORK), "options": (method or Method()).decisive}
     with opened("packing-easy", about, Conduct(**conduct)) as folder:  # type: ignore[arg-type]
         return folder
 
@@ -96,6 +97,12 @@ def test_another_method_is_refused_with_the_option_and_both_values(method: Metho
         start(method, out=Path("out"))
     assert str(error.value).startswith(f"out: cannot be continued with {difference}")
     assert Path("out/config.yaml").read_text() == before
+
+
+def test_a_constant_of_what_is_not_chosen_may_change() -> None:
+    out = Path("out")
+    start(out=out)
+    assert start(Method(planners=Planners(els=ElsConfig(p_w=3.0))), out=out) == out
 
 
 def test_other_problems_are_refused() -> None:

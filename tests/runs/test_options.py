@@ -1,5 +1,6 @@
 """The command line that is derived from the options."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -48,6 +49,23 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
 
 def test_without_options_the_command_line_gives_the_defaults() -> None:
     assert tyro.cli(Method, args=[]) == Method()
+
+
+@pytest.mark.parametrize(
+    ("method", "families"),
+    [
+        (Method(), ("policy", "p_score", "breadth_first", "completion_tree")),
+        (
+            Method(sampler="uniform", estimator="constant", generator="best-first", planner="round-robin"),
+            ("uniform", "constant", "best_first", "round_robin"),
+        ),
+        (Method(planner="stap", estimator="constant"), ("policy", "q_value", "breadth_first", "stap")),
+    ],
+)
+def test_only_constants_of_what_is_used_decide(method: Method, families: tuple[str, ...]) -> None:
+    kept = [method.decisive[family] for family in ("samplers", "estimators", "generators", "planners")]
+    assert [tuple(constants) for constants in kept] == [(name,) for name in families]
+    assert method.decisive["skills"] == asdict(method.skills)
 
 
 @pytest.mark.parametrize(
