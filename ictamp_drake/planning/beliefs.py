@@ -24,6 +24,8 @@ class BeliefsConfig:
         floor: least prior, so that no step is ever given up.
         hope: P of an action before any of its name was estimated.
         duration: computing time of a step before any of its name succeeded [s].
+        step: what a step counts for besides its computing time, so that those which are refused at once are not
+            repeated hundreds of times [s].
     """
 
     strength: float = 4.0
@@ -31,13 +33,15 @@ class BeliefsConfig:
     floor: float = 0.1
     hope: float = 0.9
     duration: float = 0.5
+    step: float = 0.03
 
     def __post_init__(self) -> None:
         for name in ("strength", "floor", "hope", "duration"):
             if not getattr(self, name) > 0:
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
-        if not self.transfer >= 0:
-            raise IctampError(f"transfer of the beliefs is {self.transfer}, but must be 0 or more.")
+        for name in ("transfer", "step"):
+            if not getattr(self, name) >= 0:
+                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be 0 or more.")
 
 
 class Beliefs(Generic[C]):
@@ -108,7 +112,7 @@ class Beliefs(Generic[C]):
         """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
         success = self._seconds[action.name, True] or [self._config.duration]
         failure = self._seconds[action.name, False] or success
-        return fmean(success) + (1 / belief - 1) * fmean(failure)
+        return fmean(success) + self._config.step + (1 / belief - 1) * (fmean(failure) + self._config.step)
 
 
 _Edge = tuple[State, Action]

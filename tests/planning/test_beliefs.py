@@ -1,5 +1,7 @@
 """What a search learns about its steps: by hand, and laws of it."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,7 +16,7 @@ from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorl
 
 WORLD = ToyWorld(size=(1, 1))
 RIGHT_UP, UP_RIGHT = WORLD.plans()
-CONFIG = BeliefsConfig(strength=2.0, transfer=0.5, duration=1.0)
+CONFIG = BeliefsConfig(strength=2.0, transfer=0.5, duration=1.0, step=0.0)
 CELLS = {RIGHT: (1, 0), UP: (0, 1)}
 
 
@@ -87,6 +89,14 @@ def test_failures_and_successes_take_their_own_time() -> None:
     assert search.remaining(ROOT, 0) == pytest.approx(right + 1 / CONFIG.hope)
 
 
+def test_a_step_counts_for_more_than_its_computing_time() -> None:
+    search = Search(replace(CONFIG, step=0.1))
+    search.attempt(ROOT, 0, success=True, seconds=3.0)
+    search.attempt(ROOT, 0, success=False, seconds=0.0)
+    right = 3.1 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
+    assert search.remaining(ROOT, 0) == pytest.approx(right + (CONFIG.duration + 0.1) / CONFIG.hope)
+
+
 def test_a_plan_that_was_refused_as_a_whole_counts_as_a_failure_of_its_last_action() -> None:
     search = Search()
     search.attempt(ROOT, 0, success=True)
@@ -122,6 +132,7 @@ def test_a_constant_of_zero_is_refused_by_name(name: str) -> None:
         BeliefsConfig(**{name: 0.0})
 
 
-def test_a_negative_transfer_is_refused_by_name() -> None:
-    with pytest.raises(IctampError, match=r"transfer of the beliefs is -0.1, but must be 0 or more"):
-        BeliefsConfig(transfer=-0.1)
+@pytest.mark.parametrize("name", ["transfer", "step"])
+def test_a_constant_below_zero_is_refused_by_name(name: str) -> None:
+    with pytest.raises(IctampError, match=f"{name} of the beliefs is -0.1, but must be 0 or more"):
+        BeliefsConfig(**{name: -0.1})
