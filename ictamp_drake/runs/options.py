@@ -98,7 +98,7 @@ def one_of(names: tuple[str, ...]) -> Any:
 
 @dataclass(frozen=True)
 class Method:
-    """How a problem is solved. A run that is continued keeps all of these.
+    """How a problem is solved. A run that is continued keeps all of these that are `decisive`.
 
     Attributes:
         time_limit: of one problem, from the start of loading its scene [s].
