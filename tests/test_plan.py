@@ -95,6 +95,9 @@ def test_the_plan_file_replays_to_the_goal(folder: Path, record: Record, time_st
     plan = read_plan(folder / "first" / record.problem / "plan.yaml")
     replay = plan.replay(PhysicsConfig(time_step=time_step))
     assert replay.reached
+    durations = [segment.duration for attempt in plan.attempts for segment in attempt.motion]
+    assert record.plan_duration_s == pytest.approx(sum(durations), abs=1e-3)
+    assert replay.frames[-1].time == pytest.approx(record.plan_duration_s, abs=1.0), "and comes to rest at once"
     X_WO = replay.c.poses["red_box"]
     assert X_WO[6] == pytest.approx(0.16 + 0.05, abs=0.002)  # on the rack's plate
 

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import ActionReport, StopReason
+from ictamp_drake.runs.replay import duration
 from ictamp_drake.runs.solve import Solution
 
 K = TypeVar("K")
@@ -37,6 +38,7 @@ class Record:
         low_level_steps: runs of a skill.
         steps_by_depth: how many of these started from a node of depth 0, 1, ...
         plan_length: skills in the plan, None when unsolved.
+        plan_duration_s: how long its motions take the arm [s], None when unsolved.
         failures: failed low-level steps by cause.
         rejections: parameters k that were refused, by cause, before the last one of their step.
         seconds_by_stage: computing time by stage [s]; "setup" is loading and building the scene.
@@ -59,6 +61,7 @@ class Record:
     low_level_steps: int = 0
     steps_by_depth: tuple[int, ...] = ()
     plan_length: int | None = None
+    plan_duration_s: float | None = None
     failures: dict[str, int] = field(default_factory=dict)
     rejections: dict[str, int] = field(default_factory=dict)
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
@@ -86,6 +89,7 @@ def run_name(problem: str, strategy: str, seed: int) -> str:
 def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: Solution) -> Record:
     """The record of a search that came to its end."""
     result = solution.result
+    plan = result.plan if result.solved else None
     return Record(
         problem=problem,
         strategy=strategy,
@@ -99,7 +103,8 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         high_level_plans=result.high_level_plans,
         low_level_steps=result.low_level_steps,
         steps_by_depth=result.steps_by_depth,
-        plan_length=len(result.actions) if result.solved and result.actions is not None else None,
+        plan_length=None if plan is None else len(plan),
+        plan_duration_s=None if plan is None else _rounded(duration(plan)),
         failures=_named(result.failures),
         rejections=_named(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
         seconds_by_stage={

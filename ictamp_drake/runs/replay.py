@@ -48,7 +48,9 @@ def replay(
 
 def starts(attempts: Sequence[Attempt[Configuration]]) -> list[float]:
     """When each skill begins in a replay [s]."""
-    times = [0.0]
-    for attempt in attempts:
-        times.append(times[-1] + sum(segment.duration for segment in attempt.motion))
-    return times[:-1]
+    return [duration(attempts[:number]) for number in range(len(attempts))]
+
+
+def duration(attempts: Sequence[Attempt[Configuration]]) -> float:
+    """How long the motions of a plan take, one right after the other [s]."""
+    return sum(segment.duration for attempt in attempts for segment in attempt.motion)
