@@ -34,8 +34,9 @@ class Comparison:
         only: how many of them only the strategy solved, and how many only the reference.
         p: probability of so uneven a split of these if both were equally good, see `even_split`.
         both: problems that both solved with the same seed.
-        time, steps: median over these of the strategy's time and low-level steps as a multiple of the reference's, see
-            `ratio`; None when there are no such problems.
+        time, steps, pace: median over these of the strategy's time, low-level steps and computing time for a second of
+            its plan as a multiple of the reference's, see `ratio`; None when there are no such problems. The last is
+            far from 1 when the machine was not equally fast for both.
     """
 
     level: str
@@ -48,6 +49,7 @@ class Comparison:
     both: int
     time: Interval | None
     steps: Interval | None
+    pace: Interval | None
 
 
 def compared(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparison]:
@@ -73,6 +75,7 @@ def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) 
         both=len(both[PROBLEM].drop_duplicates()),
         time=ratio(both, "seconds"),
         steps=ratio(both, "steps"),
+        pace=ratio(both, "pace"),
     )
 
 
@@ -105,7 +108,7 @@ def ratio(both: pd.DataFrame, figure: str) -> Interval | None:
     """Median over problems of one strategy's figure as a multiple of the other's, with an interval over problems.
 
     A problem with several seeds counts once, with the median of its ratios; medians are taken of logarithms, so that
-    the other way round is the inverse. Runs with 0 steps have no ratio. Below `LEAST` problems the bounds are nan.
+    the other way round is the inverse. What is 0 or not known has no ratio. Below `LEAST` problems the bounds are nan.
     """
     positive = both[(both[figure] > 0) & (both[f"{figure}_reference"] > 0)]
     logarithms = positive.assign(logarithm=np.log(positive[figure] / positive[f"{figure}_reference"]))

@@ -67,9 +67,9 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
     """A row a run, sorted by level, strategy, problem and seed.
 
     Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended; `counted`, the same, but the
-    time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan and `replay`,
-    the computing time of executing it alone, nan when unsolved; `interference`; and as in the record `failures`,
-    `stages` and `depths`.
+    time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, `duration`
+    on the arm [s], `replay`, the computing time of executing it alone, and `pace`, that of a second of it, nan when
+    unsolved or not known; `interference`; and as in the record `failures`, `stages` and `depths`.
     """
     strategies = [record.strategy or UNNAMED for record in records]
     levels = [record.level or OWN for record in records]
@@ -84,16 +84,22 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
             "plans": [record.high_level_plans for record in records],
             "steps": [record.low_level_steps for record in records],
             "failed": [sum(record.failures.values()) for record in records],
-            "length": [np.nan if record.plan_length is None else record.plan_length for record in records],
-            "replay": [np.nan if record.replay_time_s is None else record.replay_time_s for record in records],
+            "length": [_number(record.plan_length) for record in records],
+            "duration": [_number(record.plan_duration_s) for record in records],
+            "replay": [_number(record.replay_time_s) for record in records],
             "interference": [record.interference for record in records],
             "failures": [record.failures for record in records],
             "stages": [record.seconds_by_stage for record in records],
             "depths": [record.steps_by_depth for record in records],
         }
     )
+    runs["pace"] = runs["replay"] / runs["duration"]
     runs["counted"] = runs["seconds"] if time_limit is None else runs["seconds"].where(runs["solved"], time_limit)
     return runs.sort_values(["level", "strategy", "problem", "seed"], ignore_index=True)
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
 
 
 def _rank(level: str) -> tuple[int, str]:

@@ -13,8 +13,8 @@ from ictamp_drake.runs.regime import Regime
 TABLE_1 = (
     "Means and medians are over the solved runs, as in the paper. `share`: with Wilson's interval; further seeds of a "
     "problem do not narrow it. `mean time, all`: over all runs, unsolved ones too. `plans`: high-level plans opened. "
-    "`steps`: low-level steps, each a run of a skill, kinematics and physics together. Also as [LaTeX]({latex}) and "
-    "[CSV]({csv})."
+    "`steps`: low-level steps, each a run of a skill, kinematics and physics together. `duration`: time that the found "
+    "plan takes the arm. Also as [LaTeX]({latex}) and [CSV]({csv})."
 )
 
 PAPER = (
@@ -28,7 +28,8 @@ PAIRED = (
     f"as shown below {verdicts.SIGNIFICANT}. Ratios: the strategy's figure as a multiple of the reference's, median "
     "over the problems that both solved, with a bootstrap interval of 95 % from samples of problems; a difference "
     "counts as shown when 1 is not in it. Each interval stands for itself: where nothing differs, 1 in 20 would still "
-    "say so. Problems that one of both left unsolved are not in the ratios."
+    "say so. Problems that one of both left unsolved are not in the ratios. `pace ratio`: of the computing time for a "
+    "second of the found plan, 1 when the machine was as fast for both; where it is off, so is the time ratio."
 )
 
 SEARCH = (

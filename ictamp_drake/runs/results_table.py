@@ -24,6 +24,7 @@ HEADINGS = (
     "plans",
     "steps",
     "median steps",
+    "duration [s]",
 )
 
 PUBLISHED = "published"
@@ -45,6 +46,7 @@ class Row:
         all_mean_s: mean time of all runs, where an unsolved one counts with the time limit if that is known [s].
         plans: mean number of high-level plans.
         steps, median_steps: number of low-level steps.
+        duration_s: mean time that a plan takes the arm; nan also when it is not known of each [s].
     """
 
     source: str
@@ -60,6 +62,7 @@ class Row:
     plans: float = math.nan
     steps: float = math.nan
     median_steps: float = math.nan
+    duration_s: float = math.nan
 
 
 def table_1(source: str, runs: pd.DataFrame) -> list[Row]:
@@ -85,6 +88,7 @@ def _row(source: str, level: str, strategy: str, runs: pd.DataFrame) -> Row:
         plans=solved["plans"].mean(),
         steps=solved["steps"].mean(),
         median_steps=solved["steps"].median(),
+        duration_s=solved["duration"].mean(skipna=False),
     )
 
 
@@ -131,7 +135,7 @@ def shown(value: float, digits: int = 1) -> str:
 def cells(row: Row) -> list[str]:
     """What stands below `HEADINGS`."""
     times = map(shown, (row.mean_s, row.median_s, row.all_mean_s))
-    steps = map(shown, (row.steps, row.median_steps))
+    steps = map(shown, (row.steps, row.median_steps, row.duration_s))
     share = f"{row.share.value:.0%} ({row.share.low:.0%} to {row.share.high:.0%})".replace("%", " %")
     return [row.level, row.strategy, f"{row.solved} of {row.runs}", share, *times, shown(row.plans, 2), *steps]
 

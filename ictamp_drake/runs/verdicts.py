@@ -38,6 +38,7 @@ HEADINGS = (
     "time",
     "steps ratio (95 %)",
     "steps",
+    "pace ratio (95 %)",
 )
 
 
@@ -107,6 +108,7 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
         time,
         _ratio(comparison.steps),
         steps,
+        _ratio(comparison.pace),
     ]
 
 

@@ -107,6 +107,15 @@ def test_without_a_common_solved_problem_there_is_no_ratio() -> None:
     assert found.p == 1.0
 
 
+def test_the_pace_is_that_of_the_machine_whatever_the_plans_take() -> None:
+    slow = run("a", 0, replay_time_s=6.0, plan_duration_s=30.0)
+    fast = run("b", 0, replay_time_s=6.0, plan_duration_s=60.0)
+    pace = only(compared(table(slow, fast), "a", "b")).pace
+    assert pace is not None
+    assert pace.value == pytest.approx(2.0)
+    assert only(compared(table(slow, run("b", 0)), "a", "b")).pace is None
+
+
 def test_runs_without_steps_have_no_ratio_of_steps() -> None:
     records = [run(name, 0, low_level_steps=0, steps_by_depth=()) for name in "ab"]
     found = only(compared(table(*records), "a", "b"))

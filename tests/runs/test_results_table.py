@@ -67,8 +67,15 @@ def test_figures_have_as_many_digits_as_the_papers(value: float, text: str) -> N
 def test_a_row_reads_as_in_the_paper() -> None:
     assert cells(table_1("paper", RUNS)[0]) == [
         *("easy", "P_score", "3 of 4", "75 % (30 % to 95 %)"),
-        *("6.0", "6.0", "19.5", "1.00", "9.0", "9.0"),
+        *("6.0", "6.0", "19.5", "1.00", "9.0", "9.0", "-"),
     ]
+
+
+def test_a_plan_takes_the_arm_what_is_known_of_all_of_them() -> None:
+    known = [run("a", number, plan_duration_s=seconds) for number, seconds in enumerate((50.0, 60.0))]
+    unsolved = run("a", 2, solved=False)
+    assert table_1("", table(*known, unsolved))[0].duration_s == 55.0
+    assert math.isnan(table_1("", table(*known, unsolved, run("a", 3)))[0].duration_s)
 
 
 def test_the_papers_rows_are_of_its_problems() -> None:

@@ -10,7 +10,7 @@ from ictamp_drake.runs.comparison import Comparison
 from ictamp_drake.runs.verdicts import probability, rows, summary, verdict
 
 FASTER, EVEN, SLOWER = Interval(0.71, 0.6, 0.84), Interval(1.0, 0.9, 1.1), Interval(1.4, 1.2, 1.6)
-SAME = Comparison("medium", "X", "Y", 37, (37, 37), (0, 0), 1.0, 37, EVEN, Interval(1.0, 1.0, 1.0))
+SAME = Comparison("medium", "X", "Y", 37, (37, 37), (0, 0), 1.0, 37, EVEN, Interval(1.0, 1.0, 1.0), None)
 
 
 def test_the_faster_one_is_better() -> None:
@@ -80,9 +80,10 @@ def test_a_ratio_is_put_plainly(interval: Interval | None, text: str) -> None:
 
 
 def test_the_table_holds_what_the_summary_says() -> None:
-    lines = rows([replace(SAME, time=FASTER), replace(SAME, time=None, steps=None, both=0)], [1.0, 1.0])
+    lines = rows([replace(SAME, time=FASTER, pace=SLOWER), replace(SAME, time=None, steps=None, both=0)], [1.0, 1.0])
     assert "| medium | X | 37 | 37 and 37 | 0 | 0 | 1 | 1 | 37 | 0.71 (0.60 to 0.84) | faster |" in lines[2]
-    assert lines[3].endswith("| 0 | - | no problem in common | - | no problem in common |")
+    assert lines[2].endswith("| 1.40 (1.20 to 1.60) |")
+    assert lines[3].endswith("| 0 | - | no problem in common | - | no problem in common | - |")
 
 
 @pytest.mark.parametrize(("p", "text"), [(1.0, "1"), (0.3769, "0.38"), (0.00012, "0.00012"), (1e-6, "< 0.0001")])
