@@ -14,8 +14,11 @@ from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMe
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.viz.figures import GRID
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-"""Told apart by everybody (Okabe and Ito 2008)."""
+COLOURS = (
+    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"),
+    *("#882255", "#999933", "#888888", "#332288"),
+)
+"""Told apart by everybody (Okabe and Ito 2008, then Tol 2021)."""
 DASHES: tuple[tuple[float, tuple[float, ...]], ...] = ((0, ()), (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 WIDTH, HEIGHT = 3.6, 2.6  # of a panel [in]
 BEYOND = 1.25
