@@ -66,6 +66,10 @@ class ToyWorld:
     seconds: float = 0.5
 
     @property
+    def draws(self) -> int:
+        return 1
+
+    @property
     def start(self) -> ToyConfiguration:
         return ToyConfiguration((0, 0), 0.5)
 

@@ -36,6 +36,10 @@ class Abstraction(Protocol[C_contra]):
 class SkillRunner(Protocol[C]):
     """ψ, all skills behind one door: the planner says which action, the runner tries it once."""
 
+    @property
+    def draws(self) -> int:
+        """Parameters k that an attempt draws at most, until one has a motion."""
+
     def attempt(
         self, c: C, action: Action, promised: State, rng: np.random.Generator, k: Parameter | None = None
     ) -> Attempt[C]:

@@ -2,6 +2,7 @@
 
 What decides is mostly the k that the policy happens to draw. So the ensemble is told k when it learns, and P is its
 mean over a few k that stand for the policy's distribution: an outcome teaches more so than P without k would learn.
+A step that may draw several k fails when all of them do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,7 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ictamp_drake.core.types import FloatArray
+from ictamp_drake.core.protocols import SkillRunner
+from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.estimators.learned import Option, by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.scenes.checks import check_range
@@ -38,8 +40,8 @@ class PScoreConfig:
     def __post_init__(self) -> None:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)
 
-    def create(self, world: World, skills: object = None) -> "PScore":  # noqa: ARG002  (the same for all estimators)
-        """The estimator for one scene.
+    def create(self, world: World, skills: SkillRunner[Configuration] | None = None) -> "PScore":
+        """The estimator for one scene, of steps with these skills or, without any, with a single draw of k.
 
         Raises:
             IctampError: a checkpoint is missing, damaged or of something else.
@@ -47,7 +49,8 @@ class PScoreConfig:
         from ictamp_drake.learning.models import load_estimator  # noqa: PLC0415  (torch takes long to load)
 
         folder = self.checkpoints or SHIPPED
-        return PScore(Observer(world.spec), {skill: load_estimator(folder, skill) for skill in SKILLS}, self.draws)
+        models = {skill: load_estimator(folder, skill) for skill in SKILLS}
+        return PScore(Observer(world.spec), models, self.draws, 1 if skills is None else skills.draws)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""
@@ -64,10 +67,11 @@ class Beliefs(NamedTuple):
 class PScore:
     """The mean of an ensemble, all options of a skill in one call."""
 
-    def __init__(self, observer: Observer, models: Mapping[str, "EstimatorModel"], draws: int) -> None:
+    def __init__(self, observer: Observer, models: Mapping[str, "EstimatorModel"], draws: int, tries: int) -> None:
         self._observer = observer
         self._models = models
         self._draws = draws
+        self._tries = tries
 
     def estimate(self, options: Sequence[Option]) -> FloatArray:
         """P of each option, shape (n,)."""
@@ -82,4 +86,4 @@ class PScore:
         return Beliefs(*by_skill(actions, seen, self._believe).T)
 
     def _believe(self, skill: str, part: Observation, _: Numbers) -> FloatArray:
-        return self._models[skill].believe(part, self._draws).T
+        return self._models[skill].believe(part, self._draws, self._tries).T

@@ -59,9 +59,13 @@ class Classifier(nn.Module):
         """The same for several k in each situation, shape (n, m, 4) -> (n, m)."""
         return _over_members(self._of_several(matrix, mask, k))
 
-    def expected(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Belief:
-        """The same for one of several equally likely k, shape (n, m, 4) -> (n,)."""
-        return _over_members(self._of_several(matrix, mask, k).mean(dim=-1))
+    def expected(self, matrix: Tensor, mask: Tensor, k: Tensor, tries: int = 1) -> Belief:
+        """That one of so many draws from equally likely k succeeds, shape (n, m, 4) -> (n,).
+
+        A member knows for certain how likely a draw is to succeed, so to each of them draws are independent.
+        """
+        one = self._of_several(matrix, mask, k).mean(dim=-1)
+        return _over_members(1 - (1 - one) ** tries)
 
     def _of_several(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
         """Of each member, shape (members, n, m)."""

@@ -56,17 +56,18 @@ class EstimatorModel:
     policy: Policy
     critic: Classifier
 
-    def believe(self, observation: Observation, draws: int) -> FloatArray:
+    def believe(self, observation: Observation, draws: int, tries: int = 1) -> FloatArray:
         """P of n situations and the disagreement of the ensemble's members, shape (2, n).
 
         Args:
             observation: the situations.
             draws: k that the mean is taken over, see `Mixture.spread`.
+            tries: k that a step draws at most, see `Classifier.expected`.
         """
         matrix, mask = tensors(observation)
         with torch.inference_mode():
             k = parameter(self.critic.skill, matrix, self.policy.spread(matrix, mask, draws))
-            belief = self.critic.expected(matrix, mask, k)
+            belief = self.critic.expected(matrix, mask, k, tries)
         return torch.stack(belief).numpy().astype(np.float64)
 
 

@@ -60,11 +60,15 @@ class Beliefs(Generic[C]):
         self._seconds: defaultdict[tuple[str, bool], list[float]] = defaultdict(list)
 
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
-        """Take in an attempt; one that finished a plan which was then refused as a whole counts as a failure."""
+        """Take in an attempt; a failed one counts as often as it tried a k.
+
+        One that finished a plan which was then refused as a whole is a failure.
+        """
         action = step.attempt.action
         success = step.child is not None and tree.candidates.get(step.child, True)
-        self._here[step.node, action].add(success)
-        self._anywhere[tree.nodes[step.node].s, action].add(success)
+        tried = 1 if success else len(step.attempt.rejections) + 1
+        self._here[step.node, action].add(success, tried)
+        self._anywhere[tree.nodes[step.node].s, action].add(success, tried)
         self._seconds[action.name, success].append(step.attempt.effort)
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
@@ -124,6 +128,6 @@ class _Evidence:
     attempts: int = 0
     successes: int = 0
 
-    def add(self, success: bool) -> None:
-        self.attempts += 1
+    def add(self, success: bool, tried: int) -> None:
+        self.attempts += tried
         self.successes += success

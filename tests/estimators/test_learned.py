@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
+from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, Skeleton
 from ictamp_drake.estimators.imagination import Imagination
 from ictamp_drake.estimators.p_score import PScore, PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
@@ -44,6 +45,13 @@ def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(params=list(CONFIGS))
 def config(request: pytest.FixtureRequest) -> Config:
     return CONFIGS[request.param]
+
+
+class Draws(NamedTuple):
+    """What an estimator asks of the skills."""
+
+    draws: int
+    attempt: Callable[..., Attempt[Configuration]] = lambda *_: pytest.fail("the estimator runs no skill")
 
 
 def option(c: Configuration, *actions: Action) -> tuple[Configuration, Skeleton]:
@@ -84,6 +92,13 @@ def test_P_does_not_depend_on_what_else_is_asked(world: World, checkpoints: Path
     alone = [float(estimator.estimate([option])[0]) for option in asked]
     np.testing.assert_allclose(whole, alone, rtol=1e-5)
     np.testing.assert_allclose(estimator.estimate(asked[::-1]), whole[::-1], rtol=1e-5)
+
+
+def test_a_step_that_may_draw_more_k_is_likelier_to_succeed(world: World, checkpoints: Path) -> None:
+    asked = options(world)
+    P = [PScoreConfig(checkpoints).create(world, skills).estimate(asked) for skills in (None, Draws(1), Draws(8))]
+    np.testing.assert_array_equal(P[0], P[1])
+    assert ((P[2] > P[1]) & (P[2] < 1)).all()
 
 
 def test_P_comes_with_an_uncertainty(world: World, checkpoints: Path) -> None:

@@ -56,3 +56,11 @@ def test_what_is_expected_is_the_mean_over_k_of_each_member(critic: Classifier) 
     torch.testing.assert_close(mean, members.mean(dim=(0, 1)))
     torch.testing.assert_close(std, (members[:, 0] - members[:, 1]).mean(dim=0).abs() / 2, rtol=1e-3, atol=1e-6)
     torch.testing.assert_close(mean, critic.beliefs(matrix, mask, SEVERAL).mean.mean(dim=1))
+
+
+def test_of_several_draws_each_member_expects_one_to_succeed(critic: Classifier) -> None:
+    matrix, mask = matrices()
+    members = torch.stack([torch.sigmoid(critic(matrix, mask, SEVERAL[:, number])) for number in range(3)])
+    fails = 1 - members.mean(dim=0)
+    mean, _ = critic.expected(matrix, mask, SEVERAL, tries=3)
+    torch.testing.assert_close(mean, (1 - fails * fails * fails).mean(dim=0))

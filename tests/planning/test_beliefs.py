@@ -30,12 +30,13 @@ class Search:
         for plan in (RIGHT_UP, UP_RIGHT):
             self.tree.record_opening(plan, 1)
 
-    def attempt(self, node: int, plan: int, success: bool, seconds: float = 1.0) -> None:
+    def attempt(self, node: int, plan: int, success: bool, seconds: float = 1.0, refused: int = 0) -> None:
         action: Action = self.tree.plans[plan].actions[0]
         x, y = self.tree.nodes[node].c.cell
         successor = ToyConfiguration((x + CELLS[action][0], y + CELLS[action][1]), 0.1)
         failure = None if success else Failure.SLIPPED
-        attempt = Attempt(action, failure, successor, seconds={"physics": seconds})
+        rejections = (Failure.NO_PATH,) * refused
+        attempt = Attempt(action, failure, successor, rejections=rejections, seconds={"physics": seconds})
         self.beliefs.learn(self.tree, self.tree.record_step(node, plan, attempt))
 
     def remaining(self, node: int, plan: int) -> float:
@@ -60,6 +61,14 @@ def test_attempts_from_the_same_node_count_in_full() -> None:
     assert search.remaining(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 1)) + 1 / CONFIG.hope)
     search.attempt(ROOT, 0, success=True)
     assert search.remaining(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 2)) + 1 / CONFIG.hope)
+
+
+def test_a_failure_counts_as_often_as_it_tried_and_a_success_once() -> None:
+    search = Search()
+    search.attempt(ROOT, 0, success=False, refused=7)
+    assert search.remaining(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 8)) + 1 / CONFIG.hope)
+    search.attempt(ROOT, 0, success=True, refused=3)
+    assert search.remaining(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 9)) + 1 / CONFIG.hope)
 
 
 def test_attempts_on_the_same_edge_from_elsewhere_count_a_part() -> None:
