@@ -10,7 +10,7 @@ import pandas as pd
 from scipy.special import ndtri
 
 from ictamp_drake.learning.accuracy import LEVEL, Interval
-from ictamp_drake.runs.markdown import table
+from ictamp_drake.runs.markdown import filled, table
 from ictamp_drake.runs.published import TABLE_1
 
 HEADINGS = (
@@ -142,12 +142,12 @@ def cells(row: Row) -> list[str]:
 
 def markdown(rows: Sequence[Row]) -> list[str]:
     """The lines of a table in Markdown; columns that hold nothing are left out."""
-    return table(*_filled(rows), left=2)
+    return table(*filled(HEADINGS, list(map(cells, rows))), left=2)
 
 
 def latex(rows: Sequence[Row]) -> str:
     """A tabular for the package booktabs, with a rule between levels and a heading for each source."""
-    headings, body = _filled(rows)
+    headings, body = filled(HEADINGS, list(map(cells, rows)))
     lines = [rf"\begin{{tabular}}{{ll{'r' * (len(headings) - 2)}}}", r"\toprule", _line(headings)]
     for source, part in groupby(zip(rows, body, strict=True), key=lambda pair: pair[0].source):
         lines += [r"\midrule", rf"\multicolumn{{{len(headings)}}}{{l}}{{\emph{{{_escaped(source)}}}}} \\"]
@@ -165,12 +165,6 @@ def as_csv(rows: Sequence[Row]) -> str:
         dataclasses.asdict(row) | {"share": row.share.value} | more for row, more in zip(rows, bounds, strict=True)
     ]
     return pd.DataFrame(values).to_csv(index=False, float_format="%.6g", lineterminator="\n")
-
-
-def _filled(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
-    body = [cells(row) for row in rows]
-    kept = [number for number in range(len(HEADINGS)) if any(values[number] != "-" for values in body)]
-    return [HEADINGS[number] for number in kept], [[values[number] for number in kept] for values in body]
 
 
 def _line(values: Sequence[str]) -> str:

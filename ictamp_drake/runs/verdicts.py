@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ictamp_drake.learning.accuracy import Interval
 from ictamp_drake.runs.comparison import LEAST, Comparison
-from ictamp_drake.runs.markdown import table
+from ictamp_drake.runs.markdown import filled, table
 
 SIGNIFICANT = 0.05
 
@@ -66,7 +66,7 @@ def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
 
 def rows(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
     """The lines of a table in Markdown with everything that the summary rests on."""
-    return table(HEADINGS, [_cells(each, adjusted) for each, adjusted in zip(comparisons, p, strict=True)], left=2)
+    return table(*filled(HEADINGS, [_cells(*each) for each in zip(comparisons, p, strict=True)]), left=2)
 
 
 def verdict(interval: Interval | None, less: str, more: str) -> str:
