@@ -43,7 +43,7 @@ def _write_pictures(solution: Solution, folder: Path) -> None:
     if solution.replay is not None and result.plan is not None:
         captions = plan_captions(result.plan, starts(result.plan))
         replay_html(task.spec, solution.replay.frames, captions, folder / "replay.html")
-    recordings = record_steps(task.physics, result.tree)
+    recordings = record_steps(task.physics, result.tree, solution.replay)
     search_html(task.spec, result.tree, recordings, folder / "search.html", folder.name)
 
 
