@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from statistics import fmean
 from typing import Generic
 
@@ -57,7 +58,8 @@ class Beliefs(Generic[C]):
         self._P: defaultdict[_Edge, dict[int, float]] = defaultdict(dict)
         self._here: defaultdict[tuple[int, Action], _Evidence] = defaultdict(_Evidence)
         self._anywhere: defaultdict[_Edge, _Evidence] = defaultdict(_Evidence)
-        self._seconds: defaultdict[tuple[str, bool], list[float]] = defaultdict(list)
+        self._usual: defaultdict[str, _Mean] = defaultdict(_Mean)
+        self._seconds: defaultdict[tuple[str, bool], _Mean] = defaultdict(_Mean)
 
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
         """Take in an attempt; a failed one counts as often as it tried a k.
@@ -69,41 +71,42 @@ class Beliefs(Generic[C]):
         tried = 1 if success else len(step.attempt.rejections) + 1
         self._here[step.node, action].add(success, tried)
         self._anywhere[tree.nodes[step.node].s, action].add(success, tried)
-        self._seconds[action.name, success].append(step.attempt.effort)
+        self._seconds[action.name, success].add(step.attempt.effort)
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
         estimates = [max(self._config.floor, P) for P in self._estimates.of(tree, runs)]
-        edges = [(tree.plans[run.plan].states[0], tree.plans[run.plan].actions[0]) for run in runs]
-        steps = list(zip(runs, edges, estimates, strict=True))
+        steps = [(run, _edges(tree.plans[run.plan])[0], P) for run, P in zip(runs, estimates, strict=True)]
         for run, edge, P in steps:
-            self._P[edge][run.node] = P
-        rest = {run.plan: self._rest(tree.plans[run.plan]) for run in runs}
+            self._note(edge, run.node, P)
+        ahead = cache(self._ahead)
+        rest = {run.plan: sum(map(ahead, _edges(tree.plans[run.plan])[1:])) for run in runs}
         return [self._first(run.node, edge, P) + rest[run.plan] for run, edge, P in steps]
 
     def hoped(self, plan: Skeleton) -> float:
         """What `remaining` would be had nothing been attempted yet [s]."""
-        return sum(self._time(action, self._usual(action.name)) for action in plan.actions)
+        return sum(self._time(action, self._hope(action)) for action in plan.actions)
+
+    def _note(self, edge: "_Edge", node: int, P: float) -> None:
+        """Keep an estimate; as that of a step never changes, the first one stays."""
+        if node not in self._P[edge]:
+            self._P[edge][node] = P
+            self._usual[edge[1].name].add(P)
 
     def _first(self, node: int, edge: "_Edge", P: float) -> float:
         """Time of an action from this node: attempts from here count in full."""
         _, action = edge
         return self._time(action, self._posterior(P, self._anywhere[edge], self._here[node, action]))
 
-    def _rest(self, plan: Skeleton) -> float:
-        """Time of all later actions, from nodes that are not reached yet."""
-        return sum(self._ahead(edge) for edge in list(zip(plan.states, plan.actions, strict=False))[1:])
-
     def _ahead(self, edge: "_Edge") -> float:
         """Time of an action from a node that is not reached yet: the mean over all that it may be."""
         _, action = edge
-        estimates = [self._usual(action.name), *self._P[edge].values()]
+        estimates = [self._hope(action), *self._P[edge].values()]
         return fmean(self._time(action, self._posterior(P, self._anywhere[edge])) for P in estimates)
 
-    def _usual(self, name: str) -> float:
-        """Mean P of actions of this name."""
-        estimates = [P for (_, action), of in self._P.items() if action.name == name for P in of.values()]
-        return fmean(estimates) if estimates else self._config.hope
+    def _hope(self, action: Action) -> float:
+        """Mean P of actions of its name."""
+        return self._usual[action.name].or_else(self._config.hope)
 
     def _posterior(self, P: float, anywhere: "_Evidence", here: "_Evidence | None" = None) -> float:
         """Mean of Beta(strength * P + successes, strength * (1 - P) + failures)."""
@@ -114,13 +117,17 @@ class Beliefs(Generic[C]):
 
     def _time(self, action: Action, belief: float) -> float:
         """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
-        success = self._seconds[action.name, True] or [self._config.duration]
-        failure = self._seconds[action.name, False] or success
-        return fmean(success) + self._config.step + (1 / belief - 1) * (fmean(failure) + self._config.step)
+        success = self._seconds[action.name, True].or_else(self._config.duration)
+        failure = self._seconds[action.name, False].or_else(success)
+        return success + self._config.step + (1 / belief - 1) * (failure + self._config.step)
 
 
 _Edge = tuple[State, Action]
 """An edge of the high-level graph."""
+
+
+def _edges(plan: Skeleton) -> list[_Edge]:
+    return list(zip(plan.states, plan.actions, strict=False))
 
 
 @dataclass
@@ -131,3 +138,17 @@ class _Evidence:
     def add(self, success: bool, tried: int) -> None:
         self.attempts += tried
         self.successes += success
+
+
+@dataclass
+class _Mean:
+    total: float = 0.0
+    count: int = 0
+
+    def add(self, value: float) -> None:
+        self.total += value
+        self.count += 1
+
+    def or_else(self, value: float) -> float:
+        """The mean, or the value when there is none."""
+        return self.total / self.count if self.count else value
