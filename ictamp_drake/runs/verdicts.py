@@ -89,7 +89,7 @@ def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
     for interval, less, more, of in ((comparison.time, *TIME, "time"), (comparison.steps, *STEPS, "steps")):
         found = verdict(interval, less, more)
         if found in (less, more):
-            shown.append((1 if found == less else -1, f"{_ratio(interval)} of the {of}"))
+            shown.append((1 if found == less else -1, f"{shown_ratio(interval)} of the {of}"))
     return shown
 
 
@@ -104,11 +104,11 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
         probability(comparison.p),
         probability(p),
         str(comparison.both),
-        _ratio(comparison.time),
+        shown_ratio(comparison.time),
         time,
-        _ratio(comparison.steps),
+        shown_ratio(comparison.steps),
         steps,
-        _ratio(comparison.pace),
+        shown_ratio(comparison.pace),
     ]
 
 
@@ -117,7 +117,8 @@ def probability(p: float) -> str:
     return "< 0.0001" if p < 0.0001 else f"{p:.2g}"
 
 
-def _ratio(interval: Interval | None) -> str:
+def shown_ratio(interval: Interval | None) -> str:
+    """With its interval, "-" for none."""
     if interval is None:
         return "-"
     bounds = "" if math.isnan(interval.low) else f" ({interval.low:.2f} to {interval.high:.2f})"

@@ -75,6 +75,7 @@ def test_a_regime_is_in_every_section_that_has_something_of_it(text: str) -> Non
     assert without["alone"] == [
         "Scenes",
         "Paired comparisons",
+        "What is left to gain",
         "A search over time",
         "Where in the tree the steps go",
         "How close P and Q are to counted success",
