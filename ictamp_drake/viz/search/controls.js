@@ -126,5 +126,6 @@ by_id("moment").max = log.length;
 viewer.gui.domElement.style.display = "none";
 viewer.camera.zoom = ZOOM;
 new ResizeObserver(() => viewer.set_3d_pane_size()).observe(by_id("meshcat-pane"));
-new ResizeObserver(fit).observe(by_id("tree"));
+addEventListener("resize", fit);
 go_to(log.length);
+fit();

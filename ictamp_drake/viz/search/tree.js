@@ -78,7 +78,7 @@ function fit() {
   const width = SHELF + 2 * MARGIN + layout.depth * COLUMN;
   const height = 2 * MARGIN + Math.max(ROW * Math.max(...layout.levels), 20 * shelf.length);
   const pane = by_id("tree");
-  const across = (pane.clientWidth - 1) / width, down = (pane.clientHeight - 1) / height;
+  const across = (pane.clientWidth - 1) / width, down = parseFloat(getComputedStyle(pane).maxHeight) / height;
   const whole = Math.min(across, down, MAX_SCALE);
   const scale = whole >= MIN_SCALE ? whole : Math.max(MIN_SCALE, Math.min(1, across));
   fill(drawing, {viewBox: `0 0 ${width} ${height}`, width: width * scale, height: height * scale}, []);
