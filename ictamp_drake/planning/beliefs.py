@@ -3,13 +3,12 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from statistics import fmean
 from typing import Generic
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, C, Skeleton, State
+from ictamp_drake.planning.credit import EdgeBelief
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import Step, Tree
@@ -21,7 +20,6 @@ class BeliefsConfig:
 
     Attributes:
         strength: attempts that the prior P is worth (`python benchmarks/beliefs.py`).
-        transfer: what an attempt of the same action from another node is worth.
         floor: least prior, so that no step is ever given up.
         hope: P of an action before any of its name was estimated.
         duration: computing time of a step before any of its name succeeded [s].
@@ -30,7 +28,6 @@ class BeliefsConfig:
     """
 
     strength: float = 4.0
-    transfer: float = 0.25
     floor: float = 0.1
     hope: float = 0.9
     duration: float = 0.5
@@ -40,24 +37,21 @@ class BeliefsConfig:
         for name in ("strength", "floor", "hope", "duration"):
             if not getattr(self, name) > 0:
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
-        for name in ("transfer", "step"):
-            if not getattr(self, name) >= 0:
-                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be 0 or more.")
+        if not self.step >= 0:
+            raise IctampError(f"step of the beliefs is {self.step}, but must be 0 or more.")
 
 
 class Beliefs(Generic[C]):
     """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
 
-    A node that is not reached yet may be any of those that were and hold the same edge, or one from which P is what it
-    mostly is for actions of this name.
+    A node that is still to be reached has the P of nodes nearby, or what P mostly is for actions of this name.
     """
 
     def __init__(self, config: BeliefsConfig, estimator: Estimator[C]) -> None:
         self._config = config
         self._estimates = Estimates(estimator)
-        self._P: defaultdict[_Edge, dict[int, float]] = defaultdict(dict)
-        self._here: defaultdict[tuple[int, Action], _Evidence] = defaultdict(_Evidence)
-        self._anywhere: defaultdict[_Edge, _Evidence] = defaultdict(_Evidence)
+        self._seen: set[tuple[int, Action]] = set()
+        self._edges: defaultdict[_Edge, EdgeBelief] = defaultdict(lambda: EdgeBelief(config.strength))
         self._usual: defaultdict[str, _Mean] = defaultdict(_Mean)
         self._seconds: defaultdict[tuple[str, bool], _Mean] = defaultdict(_Mean)
 
@@ -66,54 +60,45 @@ class Beliefs(Generic[C]):
 
         One that finished a plan which was then refused as a whole is a failure.
         """
-        action = step.attempt.action
+        action, lineage = step.attempt.action, tree.lineage(step.node)
         success = step.child is not None and tree.candidates.get(step.child, True)
-        tried = 1 if success else len(step.attempt.rejections) + 1
-        self._here[step.node, action].add(success, tried)
-        self._anywhere[tree.nodes[step.node].s, action].add(success, tried)
+        for _ in range(1 if success else len(step.attempt.rejections) + 1):
+            self._edges[tree.nodes[step.node].s, action].learn(lineage, success)
         self._seconds[action.name, success].add(step.attempt.effort)
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
-        estimates = [max(self._config.floor, P) for P in self._estimates.of(tree, runs)]
-        steps = [(run, _edges(tree.plans[run.plan])[0], P) for run, P in zip(runs, estimates, strict=True)]
-        for run, edge, P in steps:
-            self._note(edge, run.node, P)
-        ahead = cache(self._ahead)
-        rest = {run.plan: sum(map(ahead, _edges(tree.plans[run.plan])[1:])) for run in runs}
-        return [self._first(run.node, edge, P) + rest[run.plan] for run, edge, P in steps]
+        estimates = self._see(tree, runs)
+        return [self._time_of(tree, run, P) for run, P in zip(runs, estimates, strict=True)]
 
     def hoped(self, plan: Skeleton) -> float:
         """What `remaining` would be had nothing been attempted yet [s]."""
-        return sum(self._time(action, self._hope(action)) for action in plan.actions)
+        return sum(self._time(action, self._usually(action)) for action in plan.actions)
 
-    def _note(self, edge: "_Edge", node: int, P: float) -> None:
-        """Keep an estimate; as that of a step never changes, the first one stays."""
-        if node not in self._P[edge]:
-            self._P[edge][node] = P
-            self._usual[edge[1].name].add(P)
+    def _see(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
+        """P of each step; what a node's first P of an action says about others is taken in once."""
+        estimates = [max(self._config.floor, P) for P in self._estimates.of(tree, runs)]
+        for (node, plan, _), P in zip(runs, estimates, strict=True):
+            action = tree.plans[plan].actions[0]
+            if (node, action) not in self._seen:
+                self._seen.add((node, action))
+                self._edges[tree.nodes[node].s, action].see(tree.lineage(node), P)
+                self._usual[action.name].add(P)
+        return estimates
 
-    def _first(self, node: int, edge: "_Edge", P: float) -> float:
-        """Time of an action from this node: attempts from here count in full."""
-        _, action = edge
-        return self._time(action, self._posterior(P, self._anywhere[edge], self._here[node, action]))
+    def _time_of(self, tree: Tree[C], run: RunStep, P: float) -> float:
+        lineage = tree.lineage(run.node)
+        first, *later = zip(tree.plans[run.plan].states, tree.plans[run.plan].actions, strict=False)
+        times = [self._time(first[1], self._edges[first].at(lineage, P))]
+        for depth, (s, action) in enumerate(later, len(lineage)):
+            usual = self._usually(action)
+            known = self._edges.get((s, action))
+            times.append(self._time(action, known.ahead(lineage, depth, usual) if known else usual))
+        return sum(times)
 
-    def _ahead(self, edge: "_Edge") -> float:
-        """Time of an action from a node that is not reached yet: the mean over all that it may be."""
-        _, action = edge
-        estimates = [self._hope(action), *self._P[edge].values()]
-        return fmean(self._time(action, self._posterior(P, self._anywhere[edge])) for P in estimates)
-
-    def _hope(self, action: Action) -> float:
+    def _usually(self, action: Action) -> float:
         """Mean P of actions of its name."""
         return self._usual[action.name].or_else(self._config.hope)
-
-    def _posterior(self, P: float, anywhere: "_Evidence", here: "_Evidence | None" = None) -> float:
-        """Mean of Beta(strength * P + successes, strength * (1 - P) + failures)."""
-        own, transfer, strength = here or _Evidence(), self._config.transfer, self._config.strength
-        successes = own.successes + transfer * (anywhere.successes - own.successes)
-        attempts = own.attempts + transfer * (anywhere.attempts - own.attempts)
-        return (strength * P + successes) / (strength + attempts)
 
     def _time(self, action: Action, belief: float) -> float:
         """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
@@ -124,20 +109,6 @@ class Beliefs(Generic[C]):
 
 _Edge = tuple[State, Action]
 """An edge of the high-level graph."""
-
-
-def _edges(plan: Skeleton) -> list[_Edge]:
-    return list(zip(plan.states, plan.actions, strict=False))
-
-
-@dataclass
-class _Evidence:
-    attempts: int = 0
-    successes: int = 0
-
-    def add(self, success: bool, tried: int) -> None:
-        self.attempts += tried
-        self.successes += success
 
 
 @dataclass

@@ -161,14 +161,17 @@ class Tree(Generic[C]):
         self.log.append(step)
         return step
 
+    def lineage(self, node: int) -> tuple[int, ...]:
+        """Numbers of the nodes from the root to this one, both included."""
+        found = [node]
+        while (parent := self.nodes[found[-1]].parent) is not None:
+            found.append(parent)
+        return tuple(reversed(found))
+
     def path(self, node: int) -> tuple[Attempt[C], ...]:
         """The attempts that lead from the root to the node, empty for the root."""
-        attempts: list[Attempt[C]] = []
-        here = self.nodes[node]
-        while here.parent is not None and here.attempt is not None:
-            attempts.append(here.attempt)
-            here = self.nodes[here.parent]
-        return tuple(reversed(attempts))
+        attempts = [self.nodes[number].attempt for number in self.lineage(node)]
+        return tuple(attempt for attempt in attempts if attempt is not None)
 
     def summary(self) -> dict[str, int]:
         """The figures that every comparison of searches needs."""

@@ -1,20 +1,43 @@
 """All selection rules side by side where the best allocation of effort is known."""
 
+from dataclasses import dataclass, replace
 from statistics import mean
 
+import numpy as np
 import pytest
 
+from ictamp_drake.core.types import Action, Attempt, Parameter, State
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
-from tests.toy_world import ToyWorld, toy_planner
+from tests.toy_world import ToyConfiguration, ToyWorld, toy_planner
 
 CHAIN = ToyWorld(size=(6, 0), success=0.5)
 """One plan whose steps only need patience: the best is to repeat the last one, which takes 6 / 0.5 steps on average."""
 BLOCKED = ToyWorld(size=(3, 3), walls=((2, 0), (1, 1), (0, 3)))
 """Three of twenty plans lead to the goal, in 6 steps: the best is to leave the others after one look."""
+
+
+@dataclass(frozen=True)
+class Corridor(ToyWorld):
+    """Only the step into cell 2 draws an offset; those after it keep the offset as it is."""
+
+    size: tuple[int, int] = (6, 0)
+    max_plans: int | None = 1
+
+    def attempt(
+        self,
+        c: ToyConfiguration,
+        action: Action,
+        promised: State,
+        rng: np.random.Generator,
+        k: Parameter | None = None,
+    ) -> Attempt[ToyConfiguration]:
+        attempt = super().attempt(c, action, promised, rng, k)
+        after = attempt.successor
+        return replace(attempt, successor=after._replace(offset=c.offset)) if after and after.cell[0] > 2 else attempt
 
 
 def steps(world: ToyWorld, rule: RuleConfig, searches: int = 60) -> float:
@@ -40,3 +63,9 @@ def test_a_door_that_needs_another_k_sends_the_search_back_a_step() -> None:
     """Of the offsets drawn before the door 0.3 let one in, so a step and a try cost 1 / 0.3 of what they cost alone."""
     narrow = ToyWorld(size=(3, 0), doors={(3, 0): 0.3}, max_plans=1)
     assert steps(narrow, AdaptiveConfig()) < 2.5 * (1 + 2 / 0.3)
+
+
+def test_a_step_that_decided_long_before_it_mattered_is_found() -> None:
+    """Nothing after the step into cell 2 helps; the paper's rule spreads its effort, so it finds the way in the end."""
+    corridor = Corridor(doors={(6, 0): 0.3})
+    assert 1.3 * steps(corridor, AdaptiveConfig()) < steps(corridor, ProportionalConfig())

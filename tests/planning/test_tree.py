@@ -71,6 +71,8 @@ def test_the_empty_plan_marks_the_goal_and_is_not_open(tree: Tree[ToyConfigurati
     assert tree.open_plans == [0, 1]
     assert [attempt.action for attempt in tree.path(2)] == list(RIGHT_UP.actions)
     assert tree.path(ROOT) == ()
+    assert tree.lineage(2) == (ROOT, 1, 2)
+    assert tree.lineage(ROOT) == (ROOT,)
 
 
 def test_a_plan_from_elsewhere_is_refused(tree: Tree[ToyConfiguration]) -> None:

@@ -1,0 +1,105 @@
+"""What attempts of an edge say about it elsewhere in the tree: by hand, and laws of it."""
+
+from collections.abc import Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.planning.credit import EdgeBelief
+
+STRENGTH = 2.0
+LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
+"""Two pairs of siblings, one of which has a level more, and a node at the end of a shorter way."""
+
+Attempts = Sequence[tuple[int, bool]]
+attempts = st.lists(st.tuples(st.integers(0, len(LINEAGES) - 1), st.booleans()), max_size=12)
+a_lineage = st.sampled_from(LINEAGES)
+
+
+def after(history: Attempts) -> EdgeBelief:
+    """The belief when these attempts came in their order."""
+    belief = EdgeBelief(STRENGTH)
+    for lineage, success in history:
+        belief.learn(LINEAGES[lineage], success)
+    return belief
+
+
+def everywhere(belief: EdgeBelief) -> list[float]:
+    """Success from each node and from one below each."""
+    return [value for way in LINEAGES for value in (belief.at(way, 0.6), belief.ahead(way, len(way), 0.6))]
+
+
+def test_before_any_attempt_P_is_believed() -> None:
+    belief = EdgeBelief(STRENGTH)
+    assert belief.at((0, 1), 0.3) == pytest.approx(0.3)
+    assert belief.ahead((0, 1), depth=2, usual=0.8) == pytest.approx(0.8)
+
+
+def test_attempts_from_one_node_update_its_beta_distribution() -> None:
+    belief = after([(0, False), (0, False), (0, True)])
+    assert belief.at(LINEAGES[0], 0.6) == pytest.approx((STRENGTH * 0.6 + 1) / (STRENGTH + 3))
+
+
+def test_a_sibling_shares_the_group_until_the_last_step_decides() -> None:
+    """Of three hypotheses two put siblings into one group; under the third the failure only lowers the common mean."""
+    belief = after([(0, False)])
+    shared = STRENGTH * 0.6 / (STRENGTH + 1)
+    alone = STRENGTH * 0.6 / (STRENGTH + STRENGTH / (STRENGTH + 1))
+    assert belief.at(LINEAGES[1], 0.6) == pytest.approx((2 * shared + alone) / 3)
+
+
+def test_the_earlier_a_step_is_repeated_the_more_hope() -> None:
+    belief = after([(0, False)] * 20)
+    hopes = [belief.ahead(LINEAGES[0][: kept + 1], depth=2, usual=0.6) for kept in range(2)]
+    assert hopes[0] > 1.5 * hopes[1] > 3 * belief.at(LINEAGES[0], 0.6)
+
+
+def test_repeating_a_step_gives_less_hope_each_time_it_did_not_help() -> None:
+    belief, hopes = EdgeBelief(STRENGTH), list[float]()
+    for node in range(2, 8):
+        for _ in range(5):
+            belief.learn((0, 1, node), success=False)
+        hopes.append(belief.ahead((0, 1), depth=2, usual=0.6))
+    assert hopes == sorted(hopes, reverse=True)
+    assert hopes[-1] < 0.4 * hopes[0]
+
+
+def test_P_of_a_node_to_come_is_like_that_of_nodes_nearby() -> None:
+    belief = EdgeBelief(STRENGTH)
+    for node in (2, 3, 4):
+        belief.see((0, 1, node), 0.1)
+    anywhere = (0.9 + 3 * 0.1) / 4
+    below_1 = (anywhere + 3 * 0.1) / 4
+    assert belief.ahead((0, 1), depth=2, usual=0.9) == pytest.approx((2 * below_1 + anywhere) / 3)
+    assert belief.ahead((0,), depth=2, usual=0.9) == pytest.approx((below_1 + 2 * anywhere) / 3)
+
+
+@given(history=attempts)
+def test_beliefs_are_probabilities(history: Attempts) -> None:
+    assert all(0 < value < 1 for value in everywhere(after(history)))
+
+
+@given(history=attempts, where=st.integers(0, len(LINEAGES) - 1))
+def test_no_failure_raises_and_no_success_lowers_any_belief(history: Attempts, where: int) -> None:
+    now, failed, succeeded = (everywhere(after([*history, *more])) for more in ([], [(where, False)], [(where, True)]))
+    for before, worse, better in zip(now, failed, succeeded, strict=True):
+        assert worse <= before + 1e-9
+        assert better >= before - 1e-9
+
+
+@given(history=attempts, data=st.data())
+def test_the_order_of_attempts_does_not_matter(history: Attempts, data: st.DataObject) -> None:
+    shuffled = data.draw(st.permutations(history))
+    assert everywhere(after(shuffled)) == pytest.approx(everywhere(after(history)))
+
+
+@given(history=attempts, way=a_lineage)
+def test_to_ask_changes_nothing(history: Attempts, way: tuple[int, ...]) -> None:
+    asked = EdgeBelief(STRENGTH)
+    for lineage, success in history:
+        asked.ahead(way, depth=9, usual=0.6)
+        asked.learn(LINEAGES[lineage], success)
+    plain = after(history)
+    plain.ahead(way, depth=9, usual=0.6)
+    assert everywhere(asked) == pytest.approx(everywhere(plain))
