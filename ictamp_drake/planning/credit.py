@@ -15,8 +15,11 @@ class _Evidence(NamedTuple):
     weight: float = 0.0
     total: float = 0.0
 
-    def plus(self, other: "_Evidence", times: float = 1.0) -> "_Evidence":
-        return _Evidence(self.weight + times * other.weight, self.total + times * other.total)
+    def plus(self, other: "_Evidence") -> "_Evidence":
+        return _Evidence(self.weight + other.weight, self.total + other.total)
+
+    def minus(self, other: "_Evidence") -> "_Evidence":
+        return _Evidence(self.weight - other.weight, self.total - other.total)
 
     def posterior(self, mean: float, strength: float) -> float:
         """Mean of a Beta distribution that had this mean and strength before the evidence."""
@@ -32,8 +35,8 @@ class EdgeBelief:
     """How likely an edge (s, a) succeeds from a node, reached or not: the mean over what may decide that.
 
     Hypothesis r: the first r steps do. Nodes that share them form a group with one success probability, drawn from a
-    Beta distribution whose mean all groups share. To repeat a step founds a new group wherever r includes it: hope that
-    wanes with each such group that failed, and that goes further the earlier the step.
+    Beta distribution whose mean all groups share. To repeat a step founds a new group under every r that includes it:
+    the earlier the step, the more there is to hope for; and the less, the more such groups have failed.
 
     Args:
         strength: of the Beta distributions, and of P as a first guess at their mean [attempts].
@@ -56,7 +59,7 @@ class EdgeBelief:
         for node in lineage:
             self._groups[node] = self._groups[node].plus(_Evidence(1.0, success))
         for r, (old, new) in enumerate(zip(before, self._groups_of(lineage), strict=True)):
-            news = new.for_others(self._strength).plus(old.for_others(self._strength), -1.0)
+            news = new.for_others(self._strength).minus(old.for_others(self._strength))
             self._all_groups[r] = self._all_groups[r].plus(news)
 
     def at(self, lineage: Lineage, P: float) -> float:
@@ -89,6 +92,6 @@ class EdgeBelief:
     def _mean(self, groups: Sequence[_Evidence], P: Sequence[float]) -> float:
         beliefs = []
         for group, all_groups, first in zip(groups, self._all_groups, P, strict=True):
-            others = all_groups.plus(group.for_others(self._strength), -1.0)
+            others = all_groups.minus(group.for_others(self._strength))
             beliefs.append(group.posterior(others.posterior(first, self._strength), self._strength))
         return fmean(beliefs)
