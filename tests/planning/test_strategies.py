@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, replace
 from statistics import mean
+from typing import Any
 
-import numpy as np
 import pytest
 
-from ictamp_drake.core.types import Action, Attempt, Parameter, State
+from ictamp_drake.core.types import Attempt
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
@@ -27,15 +27,8 @@ class Corridor(ToyWorld):
     size: tuple[int, int] = (6, 0)
     max_plans: int | None = 1
 
-    def attempt(
-        self,
-        c: ToyConfiguration,
-        action: Action,
-        promised: State,
-        rng: np.random.Generator,
-        k: Parameter | None = None,
-    ) -> Attempt[ToyConfiguration]:
-        attempt = super().attempt(c, action, promised, rng, k)
+    def attempt(self, c: ToyConfiguration, *how: Any, **named: Any) -> Attempt[ToyConfiguration]:
+        attempt = super().attempt(c, *how, **named)
         after = attempt.successor
         return replace(attempt, successor=after._replace(offset=c.offset)) if after and after.cell[0] > 2 else attempt
 
