@@ -25,7 +25,6 @@ STRATEGIES: dict[str, str] = {
     "uniform": "--planner uniform --estimator constant",
     "stap": "--planner stap --estimator q-value",
     "uniform-k": "--planner completion-tree --estimator p-score --sampler uniform",
-    "uniform-k-constant": "--planner completion-tree --estimator constant --sampler uniform",
     "optimisation-constant": "--planner completion-tree --estimator constant --sampler optimisation",
 }
 """Options of each strategy; those that ask no estimator name the cheapest one."""
