@@ -3,12 +3,13 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Generic
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, C, Skeleton, State
-from ictamp_drake.planning.credit import EdgeBelief
+from ictamp_drake.planning.credit import EdgeBelief, Lineage
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import Step, Tree
@@ -68,8 +69,14 @@ class Beliefs(Generic[C]):
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
-        estimates = self._see(tree, runs)
-        return [self._time_of(tree, run, P) for run, P in zip(runs, estimates, strict=True)]
+        ahead = cache(self._ahead)
+        times = []
+        for run, P in zip(runs, self._see(tree, runs), strict=True):
+            lineage = tree.lineage(run.node)
+            first, *later = zip(tree.plans[run.plan].states, tree.plans[run.plan].actions, strict=False)
+            rest = (ahead(lineage, depth, edge) for depth, edge in enumerate(later, len(lineage)))
+            times.append(sum(rest, self._here(lineage, first, P)))
+        return times
 
     def hoped(self, plan: Skeleton) -> float:
         """What `remaining` would be had nothing been attempted yet [s]."""
@@ -86,15 +93,15 @@ class Beliefs(Generic[C]):
                 self._usual[action.name].add(P)
         return estimates
 
-    def _time_of(self, tree: Tree[C], run: RunStep, P: float) -> float:
-        lineage = tree.lineage(run.node)
-        first, *later = zip(tree.plans[run.plan].states, tree.plans[run.plan].actions, strict=False)
-        times = [self._time(first[1], self._edges[first].at(lineage, P))]
-        for depth, (s, action) in enumerate(later, len(lineage)):
-            usual = self._usually(action)
-            known = self._edges.get((s, action))
-            times.append(self._time(action, known.ahead(lineage, depth, usual) if known else usual))
-        return sum(times)
+    def _here(self, lineage: Lineage, edge: "_Edge", P: float) -> float:
+        """Time of an action from the last node, of which P is known."""
+        return self._time(edge[1], self._edges[edge].at(lineage, P))
+
+    def _ahead(self, lineage: Lineage, depth: int, edge: "_Edge") -> float:
+        """Time of an action from a node at this depth that is still to be reached from the last one."""
+        usual = self._usually(edge[1])
+        known = self._edges.get(edge)
+        return self._time(edge[1], known.ahead(lineage, depth, usual) if known else usual)
 
     def _usually(self, action: Action) -> float:
         """Mean P of actions of its name."""
