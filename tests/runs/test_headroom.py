@@ -1,10 +1,10 @@
-"""The virtual best is as good as the best strategy of each problem, and no better."""
+"""The virtual best is as good as the best strategy of each problem, and no plan is executed less than twice."""
 
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ictamp_drake.runs.headroom import executed_twice, headroom, virtual_best
 from ictamp_drake.runs.records import Record
-from ictamp_drake.runs.virtual_best import headroom, virtual_best
 from tests.runs.recorded import run, table
 
 outcomes = st.lists(st.tuples(st.booleans(), st.floats(0.1, 50)), min_size=3, max_size=30)
@@ -36,7 +36,7 @@ def test_each_seed_has_a_best_of_its_own() -> None:
 
 def test_what_is_left_to_gain() -> None:
     runs = table(*(run(name, number, seconds) for number in range(7) for name, seconds in (("a", 2.0), ("b", 4.0))))
-    assert headroom(runs) == [
+    assert headroom(runs, virtual_best) == [
         "| strategy | easy |",
         "| --- | ---: |",
         "| a | 1.00 (1.00 to 1.00) |",
@@ -45,9 +45,26 @@ def test_what_is_left_to_gain() -> None:
 
 
 def test_a_single_strategy_has_nothing_to_choose_from() -> None:
-    assert headroom(table(run("a", 0), run("a", 1))) == []
+    assert headroom(table(run("a", 0), run("a", 1)), virtual_best) == []
 
 
 def test_a_strategy_that_did_not_run_on_a_level_has_no_figure_there() -> None:
     runs = table(run("a", 0, 2.0), run("b", 0, 4.0), run("a", 0, 2.0, level="hard"))
-    assert headroom(runs)[3] == "| b | 0.50 | - | 0.50 |"
+    assert headroom(runs, virtual_best)[3] == "| b | 0.50 | - | 0.50 |"
+
+
+def test_what_no_search_saves_is_to_execute_the_quickest_plan_twice() -> None:
+    runs = table(
+        *(run("a", number, 8.0, replay_time_s=3.0) for number in range(7)),
+        *(run("b", number, 10.0, replay_time_s=2.0) for number in range(7)),
+    )
+    assert list(executed_twice(runs)["seconds"]) == [4.0] * 7
+    assert headroom(runs, executed_twice)[2:] == ["| a | 0.50 (0.50 to 0.50) |", "| b | 0.40 (0.40 to 0.40) |"]
+
+
+def test_plans_that_were_not_found_or_not_timed_bound_nothing() -> None:
+    runs = table(
+        run("a", 0, 8.0), run("a", 1, solved=False), run("b", 0, 8.0, replay_time_s=3.0), run("b", 1, solved=False)
+    )
+    assert executed_twice(runs)[["problem", "seconds"]].to_numpy().tolist() == [["easy-000", 6.0]]
+    assert headroom(table(run("a", 0), run("b", 0)), executed_twice)[2:] == ["| a | - |", "| b | - |"]

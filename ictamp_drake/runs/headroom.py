@@ -1,0 +1,45 @@
+"""Bounds on what is left to gain: the quickest strategy of each problem, and a search in which nothing fails.
+
+The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012): it knows beforehand which of all
+others will be the quickest on a problem, and no choice among them gains more. The second bounds what any strategy can
+gain, as every plan is executed at least twice: step by step when it is found, and as a whole when it is verified.
+"""
+
+from collections.abc import Callable
+
+import pandas as pd
+
+from ictamp_drake.runs.comparison import PROBLEM, compared
+from ictamp_drake.runs.markdown import table
+from ictamp_drake.runs.verdicts import shown_ratio
+
+NAME = "bound"
+
+
+def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) -> list[str]:
+    """The bound as a multiple of each strategy's time, a column a level; in Markdown, nothing of a single strategy.
+
+    Args:
+        runs: see `regime.tabulated`.
+        bound: one of the functions below.
+    """
+    strategies = list(runs["strategy"].cat.categories)
+    if len(strategies) < 2:
+        return []
+    both = pd.concat([runs, bound(runs).assign(strategy=NAME)])
+    comparisons = {name: compared(both, NAME, name) for name in strategies}
+    levels = [each.level for each in comparisons[strategies[0]]]
+    rows = [[name, *(shown_ratio(each.time) for each in of)] for name, of in comparisons.items()]
+    return table(["strategy", *levels], rows)
+
+
+def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
+    """Of every problem and seed the quickest run that solved it, or any run when none did."""
+    quickest_first = runs.sort_values(["solved", "seconds"], ascending=[False, True], kind="stable")
+    return quickest_first.drop_duplicates([*PROBLEM, "seed"])
+
+
+def executed_twice(runs: pd.DataFrame) -> pd.DataFrame:
+    """Of every problem and seed the found plan that is the quickest to execute, and the time of doing so twice."""
+    plans = runs[runs["solved"] & runs["replay"].notna()].sort_values("replay", kind="stable")
+    return plans.drop_duplicates([*PROBLEM, "seed"]).assign(seconds=2 * plans["replay"])
