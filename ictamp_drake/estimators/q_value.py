@@ -37,6 +37,8 @@ class QValueConfig:
             mean, which is the success to be expected of a single draw.
         horizon: step, Q of the next action alone; plan, the product along the rest of the plan.
         refinements: iterations of the cross-entropy method after the draws; they seek what `best` counts.
+        critics: whose Q it is: policy, of the critics that the policies were trained on; estimator, of those of P, which
+            were trained on outcomes of the policies. Their mean over many draws is P, and their product P of the plan.
     """
 
     checkpoints: Path | None = None
@@ -44,6 +46,7 @@ class QValueConfig:
     best: bool = False
     horizon: Literal["step", "plan"] = "step"
     refinements: int = 0
+    critics: Literal["policy", "estimator"] = "policy"
 
     def __post_init__(self) -> None:
         check_range("estimators.q-value.draws", self.draws, 1, 4096)
@@ -60,14 +63,14 @@ class QValueConfig:
         from ictamp_drake.learning.models import load_dynamics, load_skill  # noqa: PLC0415  (torch takes long to load)
 
         folder, ahead = self.checkpoints or SHIPPED, self.horizon == "plan"
-        learned = {skill: load_skill(folder, skill) for skill in SKILLS}
+        learned = {skill: load_skill(folder, skill, self.critics) for skill in SKILLS}
         dynamics = {skill: load_dynamics(folder, skill) for skill in SKILLS if ahead}
         imagination = Imagination(Observer(world.spec), learned, dynamics, depth=None if ahead else 1)
         return QValue(self, imagination, world.spec.seed)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""
-        check_all(self.checkpoints or SHIPPED, "policy")
+        check_all(self.checkpoints or SHIPPED, self.critics)
         if self.horizon == "plan":
             check_all(self.checkpoints or SHIPPED, "dynamics")
 

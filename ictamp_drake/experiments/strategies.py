@@ -15,6 +15,10 @@ STRATEGIES: dict[str, str] = {
         "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
         "--estimators.q-value.best"
     ),
+    "p-product": (
+        "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
+        "--estimators.q-value.best --estimators.q-value.critics estimator"
+    ),
     "constant": "--planner completion-tree --estimator constant",
     "monte-carlo": "--planner completion-tree --estimator monte-carlo",
     "adaptive": "--planner adaptive --estimator p-score",
@@ -36,6 +40,7 @@ REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
             "p-score",
             "q-value",
             "q-product",
+            "p-product",
             "constant",
             "round-robin",
             "els-3-1",

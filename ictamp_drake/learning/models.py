@@ -89,13 +89,13 @@ def tensors(observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
     return torch.from_numpy(observation.matrix), torch.from_numpy(observation.mask)
 
 
-def load_skill(folder: Path, skill: str) -> SkillModel:
-    """The trained policy of a skill.
+def load_skill(folder: Path, skill: str, kind: Kind = "policy") -> SkillModel:
+    """The trained policy of a skill, with the critics that it was trained on or, of the kind "estimator", those of P.
 
     Raises:
         IctampError: see `checkpoint.load`.
     """
-    return SkillModel(*_policy_and_critic(folder, "policy", skill))
+    return SkillModel(*_policy_and_critic(folder, kind, skill))
 
 
 def load_estimator(folder: Path, skill: str) -> EstimatorModel:

@@ -28,6 +28,7 @@ CONFIGS: dict[str, Config] = {
     "p_score": PScoreConfig,
     "q_value": QValueConfig,
     "q_value_plan": partial(QValueConfig, horizon="plan"),
+    "q_value_of_P": partial(QValueConfig, critics="estimator"),
     "q_value_refined": partial(QValueConfig, draws=8, best=True, horizon="plan", refinements=2),
 }
 
@@ -117,6 +118,19 @@ def test_more_draws_raise_the_best_Q_and_not_the_mean(world: World, checkpoints:
 
     assert Q(64, best=True) > Q(4, best=True) > Q(4, best=False)
     assert abs(Q(64, best=False) - Q(256, best=False)) < (Q(64, best=True) - Q(64, best=False)) / 2
+
+
+def test_the_mean_of_the_critics_of_P_is_P(world: World) -> None:
+    P, of_P, of_Q = (
+        config.create(world).estimate(options(world))
+        for config in (
+            PScoreConfig(draws=1024),
+            QValueConfig(draws=1024, critics="estimator"),
+            QValueConfig(draws=1024),
+        )
+    )
+    np.testing.assert_allclose(of_P, P, atol=0.01)
+    assert np.abs(of_Q - P).max() > 0.02
 
 
 def plans(world: World, steps: int) -> list[tuple[Configuration, Skeleton]]:
