@@ -37,8 +37,8 @@ class QValueConfig:
             mean, which is the success to be expected of a single draw.
         horizon: step, Q of the next action alone; plan, the product along the rest of the plan.
         refinements: iterations of the cross-entropy method after the draws; they seek what `best` counts.
-        critics: whose Q it is: policy, of the critics that the policies were trained on; estimator, of those of P, which
-            were trained on outcomes of the policies. Their mean over many draws is P, and their product P of the plan.
+        critics: whose Q it is: policy, of the critics that the policies were trained on; estimator, of those of P,
+            trained on outcomes of the policies, whose mean over many draws is P.
     """
 
     checkpoints: Path | None = None

@@ -121,14 +121,8 @@ def test_more_draws_raise_the_best_Q_and_not_the_mean(world: World, checkpoints:
 
 
 def test_the_mean_of_the_critics_of_P_is_P(world: World) -> None:
-    P, of_P, of_Q = (
-        config.create(world).estimate(options(world))
-        for config in (
-            PScoreConfig(draws=1024),
-            QValueConfig(draws=1024, critics="estimator"),
-            QValueConfig(draws=1024),
-        )
-    )
+    configs = (PScoreConfig(draws=1024), QValueConfig(draws=1024), QValueConfig(draws=1024, critics="estimator"))
+    P, of_Q, of_P = (config.create(world).estimate(options(world)) for config in configs)
     np.testing.assert_allclose(of_P, P, atol=0.01)
     assert np.abs(of_Q - P).max() > 0.02
 
