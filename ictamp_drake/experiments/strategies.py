@@ -10,14 +10,14 @@ from ictamp_drake.runs.options import Method
 
 STRATEGIES: dict[str, str] = {
     "p-score": "--planner completion-tree --estimator p-score",
+    "p-product": (
+        "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
+        "--estimators.q-value.best --estimators.q-value.critics estimator"
+    ),
     "q-value": "--planner completion-tree --estimator q-value",
     "q-product": (
         "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
         "--estimators.q-value.best"
-    ),
-    "p-product": (
-        "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
-        "--estimators.q-value.best --estimators.q-value.critics estimator"
     ),
     "constant": "--planner completion-tree --estimator constant",
     "monte-carlo": "--planner completion-tree --estimator monte-carlo",
@@ -38,9 +38,9 @@ REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
         "--skills.draws 1 --samplers.policy.candidates 1 --time-limit 120 --max-steps 600",
         (
             "p-score",
+            "p-product",
             "q-value",
             "q-product",
-            "p-product",
             "constant",
             "round-robin",
             "els-3-1",
