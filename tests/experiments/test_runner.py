@@ -54,7 +54,7 @@ def test_problems_take_turns_with_all_strategies() -> None:
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("--strategies", "best"), "strategies has 'best', but must have names from p-score, q-value, "),
+        (("--strategies", "best"), "strategies has 'best', but must have names from p-score, p-product, "),
         (("--regime", "product"), "regime is 'product', but must be one of: paper, default"),
         (("--levels", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme"),
         (("--seeds", "-1"), "seeds is -1, but must be between 0 and"),
