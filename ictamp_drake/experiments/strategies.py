@@ -8,17 +8,16 @@ import tyro
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.options import Method
 
+_PRODUCT = (
+    "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
+    "--estimators.q-value.best"
+)
+
 STRATEGIES: dict[str, str] = {
     "p-score": "--planner completion-tree --estimator p-score",
-    "p-product": (
-        "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
-        "--estimators.q-value.best --estimators.q-value.critics estimator"
-    ),
+    "p-product": f"{_PRODUCT} --estimators.q-value.critics estimator",
     "q-value": "--planner completion-tree --estimator q-value",
-    "q-product": (
-        "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
-        "--estimators.q-value.best"
-    ),
+    "q-product": _PRODUCT,
     "constant": "--planner completion-tree --estimator constant",
     "monte-carlo": "--planner completion-tree --estimator monte-carlo",
     "adaptive": "--planner adaptive --estimator p-score",
