@@ -104,7 +104,9 @@ def unsolved(record: Record) -> Iterator[Text]:
         yield Text("  a plan was carried out to the goal, but not again when it was replayed as a whole")
     for action, refusals in list(record.blocked.items())[:BLOCKERS]:
         yield Text(f"  {blocker(action, refusals)}")
-    if not record.blocked:
+    if not record.high_level_plans:
+        yield Text("  no high-level plan was found")
+    elif not record.blocked:
         failed = f"of {counted(record.low_level_steps, 'step')} {sum(record.failures.values())} failed"
         causes = f": {_listed(record.failures)}" if record.failures else ""
         yield Text(f"  every action that was tried succeeded at least once; {failed}{causes}")

@@ -129,6 +129,28 @@ class MoveCount:
         return to_move.isdisjoint(in_goal) and not occupied
 
 
+class Patience:
+    """One guide until it has grown so often, then another one."""
+
+    def __init__(self, first: Guide, then: Guide, growths: int) -> None:
+        self._guide = first
+        self._then = then
+        self._left = growths
+
+    @property
+    def horizon(self) -> float:
+        return self._guide.horizon
+
+    def remaining(self, state: State) -> float:
+        return self._guide.remaining(state)
+
+    def grow(self) -> None:
+        self._guide.grow()
+        self._left -= 1
+        if not self._left:
+            self._guide = self._then
+
+
 def _beneath(box: str, supporter: dict[str, str]) -> Iterator[str]:
     """What is beneath the box, down to the support."""
     while box in supporter:

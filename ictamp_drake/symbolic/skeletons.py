@@ -14,16 +14,28 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Skeleton, State
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount
+from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount, Patience
 
 
 @dataclass(frozen=True)
 class BreadthFirst:
-    """Plans in order of length, the first after about as many nodes as breadth-first search takes (the default)."""
+    """Plans in order of length, the first after about as many nodes as breadth-first search takes (the default).
+
+    Attributes:
+        patience: states that breadth-first search may expand. With many objects that is not enough, and the moves that
+            cannot be avoided guide the stream from there on (A*).
+    """
+
+    patience: int = 50_000
+
+    def __post_init__(self) -> None:
+        if not self.patience >= 1:
+            raise IctampError(f"patience of the breadth-first search is {self.patience}, but must be 1 or more.")
 
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""
-        return PlanStream(domain, initial, goal, BreadthFirstDistance(domain, initial, goal))
+        distance, moves = BreadthFirstDistance(domain, initial, goal), MoveCount(domain, goal, weight=1.0)
+        return PlanStream(domain, initial, goal, Patience(distance, moves, self.patience))
 
 
 @dataclass(frozen=True)

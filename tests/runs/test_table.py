@@ -83,8 +83,12 @@ def test_an_unsolved_problem_says_why() -> None:
 
 
 def test_an_unsolved_problem_without_a_blocked_action_says_what_failed() -> None:
-    output = text(record("a", low_level_steps=9, failures={"SLIPPED": 2, "NO_PATH": 1}))
+    output = text(record("a", high_level_plans=1, low_level_steps=9, failures={"SLIPPED": 2, "NO_PATH": 1}))
     assert "of 9 steps 3 failed: 2 object slipped, 1 no collision-free path" in " ".join(output.split())
+
+
+def test_a_problem_without_a_plan_says_so() -> None:
+    assert "no high-level plan was found" in text(record("a"))
 
 
 def test_a_plan_that_did_not_pass_its_replay_is_mentioned() -> None:

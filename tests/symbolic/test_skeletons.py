@@ -17,7 +17,13 @@ from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
 from tests.symbolic.towers import LEVELS, Problem, problems, standing, state
 
 Config = BreadthFirst | BestFirst
-CONFIGS = {"breadth_first": BreadthFirst(), "best_first": BestFirst(), "a_star": BestFirst(weight=1)}
+CONFIGS = {
+    "breadth_first": BreadthFirst(),
+    "impatient": BreadthFirst(patience=5),
+    "best_first": BestFirst(),
+    "a_star": BestFirst(weight=1),
+}
+IN_ORDER = {name: config for name, config in CONFIGS.items() if name != "best_first"}
 each_config = pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
 
 
@@ -83,7 +89,7 @@ def test_plans_lead_to_the_goal_and_repeat_no_state(config: Config, problem: Pro
         assert [problem.goal <= s for s in plan.states] == [False] * len(plan) + [True]
 
 
-@pytest.mark.parametrize("config", [BreadthFirst(), BestFirst(weight=1)], ids=["breadth_first", "a_star"])
+@pytest.mark.parametrize("config", IN_ORDER.values(), ids=IN_ORDER)
 @settings(max_examples=30)
 @given(problem=problems(boxes=3))
 def test_all_plans_up_to_eight_actions_come_in_order_of_length(config: Config, problem: Problem) -> None:
@@ -151,15 +157,33 @@ def test_best_first_plans_for_eight_boxes_within_a_thousand_expansions(problem: 
     assert plans[0] is not None
 
 
-def test_eight_boxes_on_four_supports_are_sorted_into_two_towers() -> None:
-    boxes, supports = tuple("abcdefgh"), ("east", "north", "south", "west")
-    initial = state([("east", "a", "b"), ("north", "c", "d"), ("south", "e", "f"), ("west", "g", "h")])
-    goal = standing(("north", "a", "c", "e", "g")) | standing(("south", "h", "f", "d", "b"))
-    generator = create(BestFirst(), Problem(boxes, supports, initial, goal))
+SORTING = Problem(
+    tuple("abcdefgh"),
+    ("east", "north", "south", "west"),
+    state([("east", "a", "b"), ("north", "c", "d"), ("south", "e", "f"), ("west", "g", "h")]),
+    standing(("north", "a", "c", "e", "g")) | standing(("south", "h", "f", "d", "b")),
+)
+"""Eight boxes on four supports, to be sorted into two towers."""
+
+
+def test_best_first_search_sorts_eight_boxes_at_once() -> None:
+    generator = create(BestFirst(), SORTING)
     plan = generator.next_plan(1000)
     assert plan is not None
     assert len(plan) <= 24
     assert generator.expanded <= 100
+
+
+def test_breadth_first_search_that_loses_patience_sorts_eight_boxes_in_the_fewest_moves() -> None:
+    generator = create(BreadthFirst(patience=500), SORTING)
+    plan = generator.next_plan(20_000)
+    assert plan is not None
+    assert len(plan) == len(next(stream(create(BestFirst(weight=1), SORTING))))
+
+
+def test_no_patience_is_refused() -> None:
+    with pytest.raises(IctampError, match=r"^patience of the breadth-first search is 0, but must be 1 or more"):
+        BreadthFirst(patience=0)
 
 
 @pytest.mark.parametrize("weight", [-1.0, math.inf, math.nan])
@@ -188,5 +212,5 @@ def test_the_stream_does_not_depend_on_the_hash_seed() -> None:
         ).stdout
         for seed in ("1", "2")
     ]
-    assert outputs[0].count("\n") == 180
+    assert outputs[0].count("\n") == 240
     assert outputs[0] == outputs[1]
