@@ -1,7 +1,11 @@
-"""k from the learned policy: several candidates at once, of which the critics choose, and the way of the arm."""
+"""k from the learned policy: several candidates at once, of which the critics choose, and the way of the arm.
 
-from collections.abc import Iterator, Mapping, Sequence
+What the policy has learned may not fit a scene, so candidates that are refused give way to random ones for a while.
+"""
+
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +16,7 @@ from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.skills.geometry import hand_poses
+from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
 from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.world import World
 
@@ -32,15 +37,22 @@ class PolicyConfig:
             (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
         haste: what it is worth, in probability of success, that the arm is there a second sooner [1/s]; with 0, Q
             alone says which candidate is the best.
+        trust: how many of the policy's candidates are tried before as many random ones, the best of equally many, have
+            their turn, and so on.
+        belief: least Q of a random candidate that is tried.
     """
 
     checkpoints: Path | None = None
     candidates: int = 64
     haste: float = 0.05
+    trust: int = 4
+    belief: float = 0.5
 
     def __post_init__(self) -> None:
         check_range("samplers.policy.candidates", self.candidates, 1, 4096)
         check_range("samplers.policy.haste", self.haste, 0, 1)
+        check_range("samplers.policy.trust", self.trust, 1, 4096)
+        check_range("samplers.policy.belief", self.belief, 0, 1)
 
     def create(self, world: World, arm: ArmKinematics) -> "PolicySampler":
         """The sampler for one scene.
@@ -60,7 +72,7 @@ class PolicyConfig:
 
 
 class PolicySampler:
-    """Draws k from π(k | matrix); of several, those with a great Q(matrix, k) that are near come first."""
+    """Draws k from π(k | matrix) or at random; of several, those with a great Q(matrix, k) that are near come first."""
 
     def __init__(
         self, world: World, arm: ArmKinematics, models: Mapping[str, "SkillModel"], config: PolicyConfig
@@ -68,23 +80,26 @@ class PolicySampler:
         self._world = world
         self._arm = arm
         self._observer = Observer(world.spec)
+        self._uniform = UniformSampler(world, UniformConfig())
         self._models = models
         self._config = config
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
-        """Any number of k: all candidates, the best first, then others."""
-        while True:
-            yield from self._ranked(c, action, rng)
-
-    def _ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
-        model = self._models[action.name]
+        """Any number of k: the best of the policy's candidates, then the best of random ones, and so on."""
         observation = self._observer.observe_all([(c, action)])
-        (k,) = model.draw(observation, self._config.candidates, rng)
-        if len(k) == 1:
-            return list(k)
-        (Q,) = model.Q(observation, k[None])
-        cost = self._config.haste * self._times(c, action, k) if self._config.haste else 0.0
-        return list(k[np.argsort(cost - Q, kind="stable")])
+        uniform = self._uniform.draws(c, action, rng)
+        while True:
+            (learned,) = self._models[action.name].draw(observation, self._config.candidates, rng)
+            yield from learned if len(learned) == 1 else self._best(c, action, learned)
+            random = np.array(list(islice(uniform, self._config.candidates)))
+            yield from self._best(c, action, random, self._config.belief)
+
+    def _best(self, c: Configuration, action: Action, k: FloatArray, least: float = 0.0) -> FloatArray:
+        """The best of some candidates with at least this Q, the best first, shape (n, 4) -> (at most trust, 4)."""
+        (Q,) = self._models[action.name].Q(self._observer.observe_all([(c, action)]), k[None])
+        k, Q = k[least <= Q], Q[least <= Q]
+        cost = self._config.haste * self._times(c, action, k) if self._config.haste and len(k) else 0.0
+        return k[np.argsort(cost - Q, kind="stable")][: self._config.trust]
 
     def _times(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
         """How long the arm needs at least to the hand's pose at each k, shape (n, 4) -> (n,) [s]."""

@@ -1,7 +1,6 @@
 """The learned policy as a sampler, with networks that have learned nothing."""
 
 import dataclasses
-from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -9,11 +8,12 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
+from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.observation import Observer
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
@@ -67,7 +67,7 @@ def test_k_is_four_finite_numbers_that_the_seed_decides(
 def test_the_best_of_the_candidates_that_are_near_come_first(
     world: World, arm: ArmKinematics, checkpoints: Path, haste: float
 ) -> None:
-    sampler = PolicyConfig(checkpoints, 16, haste).create(world, arm)
+    sampler = PolicyConfig(checkpoints, 16, haste, trust=16).create(world, arm)
     for c, action in situations(world):
         model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
         candidates = model.draw(observation, 16, np.random.default_rng(5))
@@ -78,6 +78,23 @@ def test_the_best_of_the_candidates_that_are_near_come_first(
         np.testing.assert_array_equal(ranked[: there.sum()], candidates[0, there][np.argsort(-worth)])
 
 
+@pytest.mark.parametrize("belief", [0.0, 1.0])
+def test_candidates_of_the_policy_and_random_ones_that_the_critics_believe_in_take_turns(
+    world: World, arm: ArmKinematics, checkpoints: Path, belief: float
+) -> None:
+    sampler = PolicyConfig(checkpoints, 16, haste=0.0, trust=3, belief=belief).create(world, arm)
+    for c, action in situations(world):
+        model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
+        rng, expected = np.random.default_rng(5), list[FloatArray]()
+        for _ in range(2):
+            learned = model.draw(observation, 16, rng)[0]
+            uniform = np.array(list(islice(UniformConfig().create(world, arm).draws(c, action, rng), 16)))
+            for k in (learned, uniform) if belief == 0 else (learned,):
+                expected += list(k[np.argsort(-model.Q(observation, k[None])[0], kind="stable")][:3])
+        found = islice(sampler.draws(c, action, np.random.default_rng(5)), len(expected))
+        np.testing.assert_array_equal(list(found), expected)
+
+
 class Noted(PolicySampler):
     """Notes what is asked of it."""
 
@@ -85,18 +102,17 @@ class Noted(PolicySampler):
         vars(self).update(vars(sampler))
         self.asked: list[int] = []
 
-    def _ranked(self, c: Configuration, action: Action, rng: np.random.Generator) -> Sequence[Parameter]:
-        found = super()._ranked(c, action, rng)
-        self.asked.append(len(found))
-        return found
+    def _best(self, c: Configuration, action: Action, k: FloatArray, least: float = 0.0) -> FloatArray:
+        self.asked.append(len(k))
+        return super()._best(c, action, k, least)
 
 
-@pytest.mark.parametrize(("candidates", "draws", "asked"), [(16, 8, [16]), (4, 8, [4, 4]), (1, 3, [1, 1, 1])])
-def test_an_attempt_tries_the_candidates_before_it_asks_for_more(
+@pytest.mark.parametrize(("candidates", "draws", "asked"), [(16, 4, [16]), (16, 8, [16, 16]), (4, 8, [4, 4])])
+def test_candidates_are_drawn_when_those_before_are_refused(
     world: World, checkpoints: Path, candidates: int, draws: int, asked: list[int]
 ) -> None:
     far, action = arranged(world, {"red_box": pose(2.0, 0.0, 0.059)}), pick("red_box", "table")
-    skills = rig(world.spec, PolicyConfig(checkpoints, candidates), draws).skills
+    skills = rig(world.spec, PolicyConfig(checkpoints, candidates, belief=0.0), draws).skills
     assert isinstance(skills.sampler, PolicySampler)
     noted = Noted(skills.sampler)
     attempt = dataclasses.replace(skills, sampler=noted).attempt(far, action, frozenset(), np.random.default_rng(0))
@@ -124,3 +140,7 @@ def test_mistakes_are_answered_with_a_sentence(world: World, arm: ArmKinematics,
         PolicyConfig(candidates=0)
     with pytest.raises(IctampError, match=r"samplers.policy.haste is -0.1, but must be between 0 and 1"):
         PolicyConfig(haste=-0.1)
+    with pytest.raises(IctampError, match=r"samplers.policy.trust is 0, but must be between 1 and 4096"):
+        PolicyConfig(trust=0)
+    with pytest.raises(IctampError, match=r"samplers.policy.belief is 1.5, but must be between 0 and 1"):
+        PolicyConfig(belief=1.5)
