@@ -41,7 +41,7 @@ class Sources:
         uniform: anywhere on the target.
         policy: a plain draw from the trained policy, the paper's way.
         best: of 16 draws from the policy the one with the greatest Q.
-        product: of 16 draws from the policy the one with the greatest Q that has a motion, as planning does by default.
+        product: of 16 draws from the policy the one with the greatest Q that has a motion.
         reference: a plain draw from another trained policy.
     """
 
@@ -109,7 +109,8 @@ class WalkConfig:
     def learned(self, source: str) -> PolicyConfig:
         """How a source draws from a trained policy."""
         folder = self.reference if source == "reference" else self.checkpoints
-        return PolicyConfig(folder, _CANDIDATES if source in ("best", "product") else 1, haste=0.0)
+        candidates = _CANDIDATES if source in ("best", "product") else 1
+        return PolicyConfig(folder, candidates, haste=0.0, trust=_CANDIDATES)
 
 
 _LEARNED = ("policy", "best", "product", "reference")
