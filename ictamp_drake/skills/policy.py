@@ -17,7 +17,7 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
-from ictamp_drake.world.observation import Observer
+from ictamp_drake.world.observation import Observation, Observer
 from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:
@@ -90,15 +90,17 @@ class PolicySampler:
         uniform = self._uniform.draws(c, action, rng)
         while True:
             (learned,) = self._models[action.name].draw(observation, self._config.candidates, rng)
-            yield from learned if len(learned) == 1 else self._best(c, action, learned)
+            yield from learned if len(learned) == 1 else self._best(c, action, observation, learned)
             random = np.array(list(islice(uniform, self._config.candidates)))
-            yield from self._best(c, action, random, self._config.belief)
+            yield from self._best(c, action, observation, random, self._config.belief)
 
-    def _best(self, c: Configuration, action: Action, k: FloatArray, least: float = 0.0) -> FloatArray:
+    def _best(
+        self, c: Configuration, action: Action, observation: Observation, k: FloatArray, least: float = 0.0
+    ) -> FloatArray:
         """The best of some candidates with at least this Q, the best first, shape (n, 4) -> (at most trust, 4)."""
-        (Q,) = self._models[action.name].Q(self._observer.observe_all([(c, action)]), k[None])
+        (Q,) = self._models[action.name].Q(observation, k[None])
         k, Q = k[least <= Q], Q[least <= Q]
-        cost = self._config.haste * self._times(c, action, k) if self._config.haste and len(k) else 0.0
+        cost = self._config.haste * self._times(c, action, k) if self._config.haste else 0.0
         return k[np.argsort(cost - Q, kind="stable")][: self._config.trust]
 
     def _times(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:

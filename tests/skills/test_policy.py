@@ -14,7 +14,7 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
 from ictamp_drake.skills.uniform import UniformConfig
-from ictamp_drake.world.observation import Observer
+from ictamp_drake.world.observation import Observation, Observer
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
@@ -95,6 +95,16 @@ def test_candidates_of_the_policy_and_random_ones_that_the_critics_believe_in_ta
         np.testing.assert_array_equal(list(found), expected)
 
 
+def test_when_the_critics_believe_in_no_random_candidate_the_policy_goes_on(
+    world: World, arm: ArmKinematics, checkpoints: Path
+) -> None:
+    sampler = PolicyConfig(checkpoints, 16, haste=0.05, trust=2, belief=1.0).create(world, arm)
+    for c, action in situations(world):
+        found = np.array(list(islice(sampler.draws(c, action, np.random.default_rng(5)), 6)))
+        assert found.shape == (6, 4)
+        assert len(np.unique(found, axis=0)) == 6
+
+
 class Noted(PolicySampler):
     """Notes what is asked of it."""
 
@@ -102,12 +112,16 @@ class Noted(PolicySampler):
         vars(self).update(vars(sampler))
         self.asked: list[int] = []
 
-    def _best(self, c: Configuration, action: Action, k: FloatArray, least: float = 0.0) -> FloatArray:
+    def _best(
+        self, c: Configuration, action: Action, observation: Observation, k: FloatArray, least: float = 0.0
+    ) -> FloatArray:
         self.asked.append(len(k))
-        return super()._best(c, action, k, least)
+        return super()._best(c, action, observation, k, least)
 
 
-@pytest.mark.parametrize(("candidates", "draws", "asked"), [(16, 4, [16]), (16, 8, [16, 16]), (4, 8, [4, 4])])
+@pytest.mark.parametrize(
+    ("candidates", "draws", "asked"), [(16, 4, [16]), (16, 8, [16, 16]), (4, 8, [4, 4]), (1, 3, [1])]
+)
 def test_candidates_are_drawn_when_those_before_are_refused(
     world: World, checkpoints: Path, candidates: int, draws: int, asked: list[int]
 ) -> None:
