@@ -19,7 +19,7 @@ STRATEGIES: dict[str, str] = {
     "q-value": "--planner completion-tree --estimator q-value",
     "q-product": _PRODUCT,
     "constant": "--planner completion-tree --estimator constant",
-    "monte-carlo": "--planner completion-tree --estimator monte-carlo",
+    "monte-carlo": "--planner completion-tree --estimator monte-carlo --estimators.monte-carlo.executions 10",
     "adaptive": "--planner adaptive --estimator p-score",
     "round-robin": "--planner round-robin --estimator constant",
     "els-3-1": "--planner els --planners.els.p-w 3 --planners.els.p-c 1 --estimator constant",
@@ -50,10 +50,16 @@ REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
         ),
     ),
     "default": ("--time-limit 60", ("p-score", "adaptive", "optimisation-constant")),
+    "ceiling": (
+        "--skills.draws 1 --samplers.policy.candidates 1 --time-limit 3600 --max-steps 300",
+        ("p-score", "monte-carlo"),
+    ),
 }
 """Options that all strategies share, and which are run unless told otherwise.
 
-Paper: one draw of k a step, which is not drawn anew when it has no motion. Default: the options of the package."""
+Paper: one draw of k a step, which is not drawn anew when it has no motion. Default: the options of the package.
+Ceiling: the paper's, but limited by steps alone, so that counting the success of each option has all the time it takes.
+"""
 
 
 def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Mapping[str, list[Method]]:
