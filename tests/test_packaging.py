@@ -132,10 +132,10 @@ def test_problems_are_found(elsewhere: Elsewhere) -> None:
     code = """
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
-for level in ("easy", "medium", "hard", "extreme"):
+for level in ("easy", "medium", "hard", "extreme", "varied"):
     print(len([load_scene(path) for path in problem_files(level)]))
 """
-    assert elsewhere.python("-c", code).split() == ["55", "37", "17", "30"]
+    assert elsewhere.python("-c", code).split() == ["55", "37", "17", "30", "40"]
 
 
 @pytest.mark.wheel

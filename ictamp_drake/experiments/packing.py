@@ -20,7 +20,7 @@ class Packing:
     """Plan, execute and record the constrained packing problems.
 
     Attributes:
-        level: difficulty, the number of boxes to pack; extreme is two towers of all six.
+        level: difficulty, the number of boxes to pack; extreme is two towers of all six, varied scenes of all sorts.
         problems: number of a problem or slice of the level's problems, e.g. 3, 0:5 or 10:.
         conduct: how the run is carried out.
         method: how problems are solved.

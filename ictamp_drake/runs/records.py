@@ -24,7 +24,7 @@ class Record:
     Attributes:
         problem: its name.
         strategy: name of the method, empty in a run of one method.
-        level: easy, medium, hard or extreme; None for a scene of one's own.
+        level: easy, medium, hard, extreme or varied; None for a scene of one's own.
         interference: kinds of interference of the boxes outside the goal.
         seed: the run's seed.
         solved: a plan was carried out and then verified as a whole.

@@ -28,7 +28,7 @@ class Problem:
     Attributes:
         name: of its record.
         path: of the scene file.
-        level: easy, medium, hard or extreme; None for a scene of one's own.
+        level: easy, medium, hard, extreme or varied; None for a scene of one's own.
     """
 
     name: str

@@ -36,8 +36,8 @@ PAPER_LEVELS = {
     "hard": Level(("cyan_box", "yellow_box", "red_box", "blue_box"), (), ("green_box", "purple_box"), 17),
 }
 
-COUNTS = {**{name: level.count for name, level in PAPER_LEVELS.items()}, "extreme": 30}
-"""How many problem files of each level are committed; `extreme` is ours, and made by a generator of its own."""
+COUNTS = {**{name: level.count for name, level in PAPER_LEVELS.items()}, "extreme": 30, "varied": 40}
+"""How many problem files of each level are committed; the last two are ours, and made by generators of their own."""
 
 LEVELS = tuple(COUNTS)
 

@@ -1,4 +1,4 @@
-"""The generator of the constrained packing problems; those of the level `extreme` are made in `scenes.extreme`.
+"""The generator of the constrained packing problems; `scenes.extreme` and `scenes.varied` make those of our own levels.
 
 A tower stands on the table and must stand in the same order on the rack; the boxes outside the goal interfere (paper,
 Experiments). Problems whose number is a multiple of three are plain: the other boxes are bystanders that stand on the
@@ -22,6 +22,7 @@ from ictamp_drake.scenes.extreme import make_extreme
 from ictamp_drake.scenes.layout import Stack, Zone, build_stack, outline_radius, place_stacks
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, SIZES, SUPPORTS, Level, boxes_of, goal_of
 from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec, save_scene
+from ictamp_drake.scenes.varied import make_varied
 
 MAX_STACK = 5
 """Boxes on each other at most: higher towers sway, and the arm cannot lift boxes off them everywhere."""
@@ -31,6 +32,8 @@ Roles = dict[str, Kinds]
 """The kinds of interference of each box outside the goal; none for a plain bystander."""
 
 _BOX_KINDS = tuple(frozenset(kinds) for kinds in ((), ("stacked",), ("behind",), ("tipped",), ("behind", "tipped")))
+_OWN = {"extreme": make_extreme, "varied": make_varied}
+"""Generators of the levels that are not the paper's."""
 _MIXES = tuple(frozenset(mix) for n in (1, 2, 3) for mix in itertools.combinations(INTERFERENCES, n))
 
 
@@ -44,8 +47,8 @@ def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream
         IctampError: when there is no such level.
     """
     check_choice("level", level, LEVELS)
-    if level == "extreme":
-        return make_extreme(number, seed, stream)
+    if level in _OWN:
+        return _OWN[level](number, seed, stream)
     rng = generator(stream, seed, LEVELS.index(level), number)
     spec = PAPER_LEVELS[level]
     roles = _draw_roles(spec, number, rng)
@@ -115,7 +118,7 @@ def write_problems(level: str, out: Path, count: int = 10, seed: int = 0) -> Non
     """Write problem files 000.yaml, 001.yaml, … of a level.
 
     Args:
-        level: easy, medium, hard or extreme.
+        level: easy, medium, hard, extreme or varied.
         out: folder for the files, made if it is not there.
         count: how many.
         seed: 0 gives the committed problems, any other new ones.

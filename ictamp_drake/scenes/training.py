@@ -4,33 +4,18 @@ Wider scenes have one to six boxes of random sizes, alone, stacked or tipped, on
 within reach, behind the arm's base, and close to each other. All are drawn from the stream DATA, which no problem is.
 """
 
-import math
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
-
 import numpy as np
 
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.scenes.layout import Spot, Stack, build_stack, outline_radius
-from ictamp_drake.scenes.levels import PAPER_LEVELS, SUPPORTS
+from ictamp_drake.scenes.clutter import random_boxes, random_supports
+from ictamp_drake.scenes.levels import PAPER_LEVELS
 from ictamp_drake.scenes.packing import make_problem
-from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, Vector
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, Vector
 
 CYCLE = 8
 """Of so many consecutive scenes one is easy, one medium, one hard, and the others are wider ones."""
 
 MAX_BOXES = 6
-_MAX_STACK = 4
-_NEAR, _FAR = 0.27, 0.70
-"""Distances from the arm's base at which things stand [m]."""
-_GAP = 0.003
-"""Free space between outlines, and to the edge of what carries them [m], at least."""
-_TRIES = 300
-
-
-class _Circle(NamedTuple):
-    spot: Spot
-    radius: float
 
 
 def training_scene(number: int, seed: int = 0) -> SceneSpec:
@@ -41,8 +26,9 @@ def training_scene(number: int, seed: int = 0) -> SceneSpec:
     rng = generator(Stream.DATA, seed, kind, number)
     boxes: dict[str, BoxSpec] = {}
     while not boxes:
-        supports = _supports(rng)
-        boxes = _boxes(supports, rng)
+        supports = random_supports(rng)
+        sizes = {f"box_{number}": _size(rng) for number in range(rng.integers(1, MAX_BOXES + 1))}
+        boxes, _ = random_boxes(supports, sizes, rng)
     return SceneSpec(
         supports=supports,
         boxes=boxes,
@@ -52,114 +38,8 @@ def training_scene(number: int, seed: int = 0) -> SceneSpec:
     )
 
 
-def _supports(rng: np.random.Generator) -> dict[str, SupportSpec]:
-    """A table, and on it mostly a rack, sometimes a block or two of them."""
-    supports, taken = {"table": SUPPORTS["table"]}, list[_Circle]()
-    for number in range(rng.choice(3, p=[0.15, 0.55, 0.3])):
-        rack = rng.random() < 0.75
-        height = round(rng.uniform(0.06, 0.28) if rack else rng.uniform(0.02, 0.08), 3)
-        size = (round(rng.uniform(0.14, 0.3), 3), round(rng.uniform(0.14, 0.34), 3), height)
-        radius = math.hypot(*size[:2]) / 2
-        spots = (_polar(rng.uniform(radius + 0.15, 0.6), rng) for _ in range(_TRIES))
-        on_table = (_Circle(spot, radius) for spot in spots if min(_margins(spot, SUPPORTS["table"])) >= 0.7 * radius)
-        here = next((circle for circle in on_table if not _crowds(circle, taken)), None)
-        if here is not None:
-            taken.append(here)
-            name = f"{'rack' if rack else 'block'}_{number}"
-            supports[name] = SupportSpec("rack" if rack else "table", (*here.spot, height), _turn(rng), size)
-    return supports
-
-
-def _boxes(supports: dict[str, SupportSpec], rng: np.random.Generator) -> dict[str, BoxSpec]:
-    """Stacks of boxes; one that finds no room is left out."""
-    sizes = {f"box_{number}": _size(rng) for number in range(rng.integers(1, MAX_BOXES + 1))}
-    crowded = rng.random() < 0.5
-    boxes, taken = dict[str, BoxSpec](), list[_Circle]()
-    for names in _columns(list(sizes), rng):
-        stack = build_stack(names, sizes, len(names) == 1 and rng.random() < 0.25, rng)
-        where = str(rng.choice(list(supports))) if rng.random() < 0.5 else "table"
-        radius = outline_radius(stack)
-        spots = _spots(supports[where], taken if crowded else (), radius, rng)
-        here = _room(spots, radius, where, supports, taken)
-        if here is not None:
-            taken.append(here)
-            boxes |= _stand(stack, here.spot, supports[where].position[2], sizes, rng)
-    return boxes
-
-
 def _size(rng: np.random.Generator) -> Vector:
     """Sides of a box that the hand can grip, whichever way it lies [m]."""
     wide = rng.random() < 0.15
     depth, height = ((0.075, 0.095), (0.04, 0.075)) if wide else ((0.035, 0.075), (0.04, 0.13))
     return round(rng.uniform(0.035, 0.075), 3), round(rng.uniform(*depth), 3), round(rng.uniform(*height), 3)
-
-
-def _columns(names: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
-    columns: list[list[str]] = []
-    for name in names:
-        growing = [column for column in columns if len(column) < _MAX_STACK]
-        if growing and rng.random() < 0.5:
-            growing[rng.integers(len(growing))].append(name)
-        else:
-            columns.append([name])
-    return columns
-
-
-def _spots(support: SupportSpec, beside: Sequence[_Circle], radius: float, rng: np.random.Generator) -> Iterator[Spot]:
-    """Random spots on a support, next to some circles where there are any."""
-    for _ in range(_TRIES):
-        if beside and rng.random() < 0.8:
-            other = beside[int(rng.integers(len(beside)))]
-            yield _polar(other.radius + radius + rng.uniform(2 * _GAP, 10 * _GAP), rng, other.spot)
-        elif support == SUPPORTS["table"]:
-            yield _polar(rng.uniform(_NEAR, _FAR), rng)
-        else:
-            x, y, _ = support.position
-            yield _polar(rng.uniform(0, max(support.size[:2]) / 2), rng, (x, y))
-
-
-def _room(
-    spots: Iterator[Spot], radius: float, where: str, supports: dict[str, SupportSpec], taken: Sequence[_Circle]
-) -> _Circle | None:
-    """The first spot on a support that is within reach and clear of all else."""
-    support = supports[where]
-    obstacles = [each for name, each in supports.items() if where == "table" != name]
-    for spot in spots:
-        here = _Circle(spot, radius)
-        inside = all(value >= radius + _GAP for value in _margins(here.spot, support))
-        apart = all(min(_margins(here.spot, each)) <= -radius - 4 * _GAP for each in obstacles)
-        if inside and apart and _NEAR <= math.hypot(*here.spot) <= _FAR and not _crowds(here, taken):
-            return here
-    return None
-
-
-def _crowds(here: _Circle, taken: Sequence[_Circle]) -> bool:
-    return any(math.dist(here.spot, other.spot) < here.radius + other.radius + _GAP for other in taken)
-
-
-def _margins(spot: Spot, support: SupportSpec) -> tuple[float, float]:
-    """How far a point is inside a support's edges along both of its axes, negative outside [m]."""
-    x, y = spot[0] - support.position[0], spot[1] - support.position[1]
-    cos, sin = math.cos(math.radians(support.yaw)), math.sin(math.radians(support.yaw))
-    return support.size[0] / 2 - abs(cos * x + sin * y), support.size[1] / 2 - abs(cos * y - sin * x)
-
-
-def _polar(distance: float, rng: np.random.Generator, about: Spot = (0.0, 0.0)) -> Spot:
-    angle = rng.uniform(-math.pi, math.pi)
-    return round(about[0] + distance * math.cos(angle), 4), round(about[1] + distance * math.sin(angle), 4)
-
-
-def _turn(rng: np.random.Generator) -> float:
-    return round(rng.uniform(-180, 180), 1)
-
-
-def _stand(
-    stack: Stack, spot: Spot, floor: float, sizes: dict[str, Vector], rng: np.random.Generator
-) -> dict[str, BoxSpec]:
-    boxes = {}
-    for piece in stack:
-        x, y = round(spot[0] + piece.offset[0], 4), round(spot[1] + piece.offset[1], 4)
-        red, green, blue = rng.uniform(0.15, 0.9, 3).round(2).tolist()
-        position = (x, y, round(floor + piece.z, 6))
-        boxes[piece.name] = BoxSpec(sizes[piece.name], position, piece.rotation, colour=(red, green, blue))
-    return boxes

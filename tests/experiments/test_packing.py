@@ -176,7 +176,7 @@ def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("--level", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme"),
+        (("--level", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"),
         (("--problems", "a:b"), "problems is 'a:b', but must be a number or a slice, e.g. 3, 0:5, 10: or :"),
         (("--problems", "55"), "problems is '55', but must select from the numbers 0 to 54"),
         (("--sampler", "best"), "sampler is 'best', but must be one of: policy, optimisation, uniform"),
@@ -204,6 +204,6 @@ def test_options_that_are_none_are_refused(arguments: tuple[str, ...], capsys: p
 def test_bad_input_gives_exit_code_2(tmp_path: Path) -> None:
     refused = run("experiments.packing", "--level", "heavy", folder=tmp_path)
     assert refused.returncode == BAD_INPUT
-    assert refused.stderr == "level is 'heavy', but must be one of: easy, medium, hard, extreme\n"
+    assert refused.stderr == "level is 'heavy', but must be one of: easy, medium, hard, extreme, varied\n"
     assert refused.stdout == ""
     assert not list(tmp_path.iterdir())

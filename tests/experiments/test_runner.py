@@ -56,7 +56,7 @@ def test_problems_take_turns_with_all_strategies() -> None:
     [
         (("--strategies", "best"), "strategies has 'best', but must have names from p-score, p-product, "),
         (("--regime", "product"), "regime is 'product', but must be one of: paper, default"),
-        (("--levels", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme"),
+        (("--levels", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"),
         (("--seeds", "-1"), "seeds is -1, but must be between 0 and"),
         (("--seeds",), "number of seeds is 0, but must be between 1 and 1000"),
     ],

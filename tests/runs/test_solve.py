@@ -85,12 +85,13 @@ def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
 
 
 @pytest.mark.slow
-def test_extreme_problems_start_at_rest_and_have_plans() -> None:
-    for path in problem_files("extreme"):
+@pytest.mark.parametrize(("level", "least"), [("extreme", 8), ("varied", 1)])
+def test_problems_of_our_own_levels_start_at_rest_and_have_plans(level: str, least: int) -> None:
+    for path in problem_files(level):
         task = prepare(path, Method())
         plan = BestFirst().create(task.domain, task.abstraction(task.c), task.goal).next_plan(1000)
         assert plan is not None
-        assert len(plan) >= 8
+        assert len(plan) >= least
 
 
 def test_time_spent_before_the_search_counts(scene: Path) -> None:

@@ -10,7 +10,9 @@ from ictamp_drake.scenes.packing import make_problem
 from ictamp_drake.scenes.spec import load_scene, to_yaml
 
 
-@pytest.mark.parametrize(("level", "count"), [("easy", 55), ("medium", 37), ("hard", 17), ("extreme", 30)])
+@pytest.mark.parametrize(
+    ("level", "count"), [("easy", 55), ("medium", 37), ("hard", 17), ("extreme", 30), ("varied", 40)]
+)
 def test_the_generator_gives_the_committed_files_byte_for_byte(level: str, count: int) -> None:
     files = problem_files(level)
     assert len(files) == count
@@ -58,7 +60,7 @@ def test_a_selection_of_nothing(selection: str) -> None:
 
 
 def test_an_unknown_level() -> None:
-    with pytest.raises(IctampError, match="level is 'heavy', but must be one of: easy, medium, hard, extreme"):
+    with pytest.raises(IctampError, match="level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"):
         problem_files("heavy")
-    with pytest.raises(IctampError, match="level is 'heavy', but must be one of: easy, medium, hard, extreme"):
+    with pytest.raises(IctampError, match="level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"):
         make_problem("heavy", 0)

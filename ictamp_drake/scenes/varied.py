@@ -1,0 +1,114 @@
+"""The generator of the level `varied`: scenes of all sorts, as somebody else might write them.
+
+Up to ten boxes of random sizes, masses and frictions stand, lie or are stacked about the arm, on a table and up to two
+racks or blocks. The goal puts up to five of them in one or two towers on any supports. In half of the problems the arm
+and all about it are somewhere else in the world. The start is at rest, but nothing makes sure that the goal can be
+reached.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.scenes.clutter import random_boxes, random_supports
+from ictamp_drake.scenes.spec import GRIPPER_WIDTH, ArmSpec, BoxSpec, SceneSpec, Vector
+
+LEAST_BOXES, MOST_BOXES = 3, 10
+LARGEST_GOAL = 5
+"""Boxes in the goal, at most."""
+
+_STREAM = 9
+"""Key of the level's random numbers; smaller ones are those of the other levels and of scenes to learn from."""
+_HIGHEST_TOWER = 3
+_HAND = (0.31, 0.0, 0.48)
+"""Tips of the fingers at the start, in the arm's base frame [m]."""
+_HAND_ROOM = 0.2
+"""Distance from the hand, seen from above, that what reaches as high keeps at the start [m]."""
+
+
+def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
+    """The problem of that number; the same arguments always give the same one."""
+    rng = generator(stream, seed, _STREAM, number)
+    boxes = dict[str, BoxSpec]()
+    while len(boxes) < LEAST_BOXES or any(map(_near_hand, boxes.values())):
+        supports = random_supports(rng)
+        sizes = {f"box_{name}": _size(rng) for name in range(rng.integers(LEAST_BOXES, MOST_BOXES + 1))}
+        boxes, carriers = random_boxes(supports, sizes, rng)
+    towers = _towers(sorted(supports), carriers, rng)
+    arm = ArmSpec() if rng.random() < 0.5 else _anywhere(rng)
+    return SceneSpec(
+        arm=arm,
+        supports={
+            name: replace(support, position=_moved(support.position, arm), yaw=_turned(support.yaw, arm))
+            for name, support in supports.items()
+        },
+        boxes={name: _moved_box(_material(box, rng), arm) for name, box in boxes.items()},
+        goal=_goal(towers, boxes),
+        seed=number,
+        description=f"Varied: {len(boxes)} boxes on {', '.join(supports)}; build {' and '.join(map(_told, towers))}.",
+    )
+
+
+def _size(rng: np.random.Generator) -> Vector:
+    """Sides of a box that the hand can grip, whichever way it lies [m]."""
+    width, depth, height = (round(rng.uniform(0.03, most), 3) for most in (0.07, 0.09, 0.14))
+    return width, depth, height if depth <= GRIPPER_WIDTH else min(height, GRIPPER_WIDTH)
+
+
+def _near_hand(box: BoxSpec) -> bool:
+    top = box.position[2] + max(box.size) / 2
+    return math.dist(box.position[:2], _HAND[:2]) < _HAND_ROOM and top > _HAND[2]
+
+
+def _towers(supports: Sequence[str], carriers: Mapping[str, str], rng: np.random.Generator) -> list[list[str]]:
+    """Towers to build, each from its support up, not all of which are there already."""
+    while True:
+        count = int(rng.integers(1, min(LARGEST_GOAL, len(carriers)) + 1))
+        wanted = rng.permutation(sorted(carriers))[:count].tolist()
+        cut = rng.integers(max(1, count - _HIGHEST_TOWER), min(count, _HIGHEST_TOWER) + 1)
+        towers = [[str(rng.choice(supports)), *names] for names in (wanted[:cut], wanted[cut:]) if names]
+        if any(carriers[above] != below for tower in towers for below, above in pairwise(tower)):
+            return towers
+
+
+def _goal(towers: Sequence[Sequence[str]], boxes: Mapping[str, BoxSpec]) -> str:
+    atoms = [
+        f"({'lying' if any(boxes[above].rotation[:2]) else 'on'} {above} {below})"
+        for tower in towers
+        for below, above in pairwise(tower)
+    ]
+    return f"(and {' '.join(atoms)})"
+
+
+def _told(tower: Sequence[str]) -> str:
+    return f"{', '.join(tower[1:])} on {tower[0]}"
+
+
+def _material(box: BoxSpec, rng: np.random.Generator) -> BoxSpec:
+    return replace(box, mass=round(rng.uniform(0.02, 0.3), 3), friction=round(rng.uniform(0.4, 1), 2))
+
+
+def _anywhere(rng: np.random.Generator) -> ArmSpec:
+    x, y, z = rng.uniform((-1, -1, 0), (1, 1, 0.8)).round(2).tolist()
+    return ArmSpec((x, y, z), round(rng.uniform(-180, 180), 1))
+
+
+def _moved_box(box: BoxSpec, arm: ArmSpec) -> BoxSpec:
+    roll, pitch, yaw = box.rotation
+    return replace(box, position=_moved(box.position, arm), rotation=(roll, pitch, _turned(yaw, arm)))
+
+
+def _moved(p_BA: Vector, arm: ArmSpec) -> Vector:
+    """A position in the world from that in the arm's base frame [m]."""
+    x, y, z = (Rotation.from_euler("z", arm.yaw, degrees=True).apply(p_BA) + arm.position).round(6).tolist()
+    return x, y, z
+
+
+def _turned(yaw: float, arm: ArmSpec) -> float:
+    """A yaw in the world from that in the arm's base frame, in [-180, 180) [deg]."""
+    return round((yaw + arm.yaw + 180) % 360 - 180, 1)
