@@ -9,35 +9,40 @@ same command with --out FOLDER goes on where it was interrupted, and may add str
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
 import tyro
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.options import Conduct, one_of
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.checks import check_choice, check_range
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
+from ictamp_drake.scenes.spec import load_scene
 
 
 @dataclass(frozen=True)
 class Runner:
-    """Compare strategies on the packing problems.
+    """Compare strategies on the packing problems or on scenes of one's own.
 
     Attributes:
         regime: what all strategies have in common, and which are run by default.
         strategies: names, or NAME="OPTIONS" with options of the packing program.
-        levels: of the problems; by default those of the paper.
+        levels: of the problems; by default those of the paper, or none when there are scenes.
         problems: number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
+        scenes: files of scenes of one's own.
         seeds: of the search.
         conduct: how the run is carried out.
     """
 
     regime: Annotated[str, one_of(tuple(REGIMES))] = "paper"
     strategies: Annotated[tuple[str, ...], one_of(tuple(STRATEGIES))] = ()
-    levels: Annotated[tuple[str, ...], one_of(LEVELS)] = tuple(PAPER_LEVELS)
+    levels: Annotated[tuple[str, ...], one_of(LEVELS)] = ()
     problems: str = ":"
+    scenes: tuple[Path, ...] = ()
     seeds: tuple[int, ...] = (0,)
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct(artefacts="none")
 
@@ -52,7 +57,7 @@ def work(options: Runner) -> Work:
     """Every problem with every strategy and seed.
 
     Raises:
-        IctampError: no such level, problems or strategy.
+        IctampError: no such level, problems or strategy, a scene file is not one, or two have the same name.
     """
     by_strategy = methods(options.regime, options.strategies, options.seeds)
     jobs = [
@@ -67,9 +72,16 @@ def work(options: Runner) -> Work:
 
 
 def _problems(options: Runner) -> Iterator[Problem]:
-    for level in options.levels:
+    for level in options.levels or (() if options.scenes else PAPER_LEVELS):
         for path in problem_files(level, options.problems):
             yield Problem(f"{level}-{path.stem}", path, level)
+    names = dict[str, Path]()
+    for path in options.scenes:
+        load_scene(path)
+        if path.stem in names:
+            raise IctampError(f"scenes has {names[path.stem]} and {path}, but the names must be different")
+        names[path.stem] = path
+        yield Problem(path.stem, path.absolute())
 
 
 def _seedless(options: dict[str, object]) -> dict[str, object]:

@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 import yaml
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.experiments.runner import Runner, work
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.records import read_records
+from ictamp_drake.scenes.levels import PAPER_LEVELS, problem_files
 from tests.runs.programs import run
 
 QUICK = "--planner round-robin --estimator constant --max-steps 1 --time-limit 200"
@@ -49,6 +51,38 @@ def test_problems_take_turns_with_all_strategies() -> None:
         "stap/1/easy-000",
         "adaptive/0/easy-001",
     ]
+
+
+def test_scenes_of_ones_own_take_the_place_of_the_levels_or_come_after_them(tmp_path: Path) -> None:
+    files = problem_files("easy", "3:5")
+    scenes = (tmp_path / "kitchen.yaml", tmp_path / "desk.yaml")
+    for file, scene in zip(files, scenes, strict=True):
+        scene.write_bytes(file.read_bytes())
+    alone = work(Runner(strategies=("adaptive",), scenes=scenes)).jobs
+    assert [(job.name, job.problem.level) for job in alone] == [("adaptive/0/kitchen", None), ("adaptive/0/desk", None)]
+    together = work(Runner(strategies=("adaptive",), levels=("hard",), problems="3", scenes=scenes)).jobs
+    assert [job.problem.name for job in together] == ["hard-003", "kitchen", "desk"]
+    assert {job.problem.level for job in work(Runner()).jobs} == set(PAPER_LEVELS)
+
+
+@pytest.mark.parametrize(
+    ("scenes", "sentence"),
+    [
+        (("a/desk.yaml", "a/shelf.yaml"), r"a/shelf\.yaml: cannot be read"),
+        (
+            ("a/desk.yaml", "b/desk.yaml"),
+            r"scenes has .*a/desk\.yaml and .*b/desk\.yaml, but the names must be different",
+        ),
+    ],
+)
+def test_scenes_that_are_none_or_share_a_name_are_refused(
+    tmp_path: Path, scenes: tuple[str, ...], sentence: str
+) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "desk.yaml").write_bytes(problem_files("easy", "0")[0].read_bytes())
+    with pytest.raises(IctampError, match=sentence):
+        work(Runner(scenes=tuple(tmp_path / scene for scene in scenes)))
 
 
 @pytest.mark.parametrize(
