@@ -168,6 +168,7 @@ class Attempt(Generic[C]):
         rejections: kinematic failures of the parameters drawn before the last one.
         seconds: computing time by stage [s].
         detail: one sentence more than the failure says.
+        obstacles: what the arm or the held box would have touched, by name, with any of the parameters refused.
     """
 
     action: Action
@@ -178,6 +179,7 @@ class Attempt(Generic[C]):
     rejections: tuple[Failure, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
     detail: str = ""
+    obstacles: frozenset[str] = frozenset()
 
     @property
     def succeeded(self) -> bool:

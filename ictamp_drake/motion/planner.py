@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.motion.collision import CollisionScene
+from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -24,10 +24,16 @@ _STUCK = "the arm cannot follow the straight line"
 
 
 class Refusal(NamedTuple):
-    """Why there is no motion: the failure, and one sentence more than it says, or none."""
+    """Why there is no motion: the failure, one sentence more than it says, or none, and what would be touched."""
 
     failure: Failure
     detail: str = ""
+    obstacle: str = ""
+
+    @classmethod
+    def at(cls, failure: Failure, contact: Contact | None) -> "Refusal":
+        """Because of a contact."""
+        return cls(failure) if contact is None else cls(failure, str(contact), contact.other)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +103,7 @@ class MotionPlanner:
         if stuck:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         if colliding:
-            return Refusal(Failure.GOAL_IN_COLLISION, str(self.scene.first_contact(np.array(colliding)) or ""))
+            return Refusal.at(Failure.GOAL_IN_COLLISION, self.scene.first_contact(np.array(colliding)))
         return Refusal(Failure.NO_INVERSE_KINEMATICS)
 
     def straight(self, q0: FloatArray, X_WG1: RigidTransform) -> Planned | Refusal:
@@ -115,19 +121,19 @@ class MotionPlanner:
         if self._is_free(trajectory):
             return Planned(trajectory, "straight")
         failure = Failure.NO_PATH if self.scene.is_free(trajectory.end) else Failure.GOAL_IN_COLLISION
-        return Refusal(failure, self._first_contact(trajectory))
+        return Refusal.at(failure, self._first_contact(trajectory))
 
     def transfer(self, q0: FloatArray, q1: FloatArray, rng: np.random.Generator) -> Planned | Refusal:
         """From q0 to q1, both of shape (7,) [rad], on whatever way is free."""
         for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
             if contact := self.scene.first_contact(q[None]):
-                return Refusal(failure, str(contact))
+                return Refusal.at(failure, contact)
         room = min(self.scene.clearance(q, self.config.padding) for q in (q0, q1))
         padding = 0.9 * max(room, 0.0)  # the ends pass for certain
         for stage, trajectory in self._candidates(q0, q1, padding, rng):
             if self._is_free(trajectory, padding):
                 return Planned(trajectory, stage)
-        return Refusal(Failure.NO_PATH, self._first_contact(self.optimizer.free(q0, q1), padding))
+        return Refusal.at(Failure.NO_PATH, self._first_contact(self.optimizer.free(q0, q1), padding))
 
     def _candidates(
         self, q0: FloatArray, q1: FloatArray, padding: float, rng: np.random.Generator
@@ -181,8 +187,8 @@ class MotionPlanner:
         with self.stopwatch.stage("collision check"):
             return self.scene.are_free(self._samples(trajectory), padding)
 
-    def _first_contact(self, trajectory: Trajectory, padding: float = 0.0) -> str:
-        return str(self.scene.first_contact(self._samples(trajectory), padding) or "")
+    def _first_contact(self, trajectory: Trajectory, padding: float = 0.0) -> Contact | None:
+        return self.scene.first_contact(self._samples(trajectory), padding)
 
     def _samples(self, trajectory: Trajectory) -> FloatArray:
         return sample(trajectory, self.kinematics.forward, self.config.step, self.config.turn)

@@ -9,7 +9,7 @@ from typing import Generic
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, C, Skeleton, State
-from ictamp_drake.planning.credit import EdgeBelief, Lineage
+from ictamp_drake.planning.credit import EdgeBelief, Lineage, Way
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import Step, Tree
@@ -62,9 +62,13 @@ class Beliefs(Generic[C]):
         One that finished a plan which was then refused as a whole is a failure.
         """
         action, lineage = step.attempt.action, tree.lineage(step.node)
+        edge = self._edges[tree.nodes[step.node].s, action]
         success = step.child is not None and tree.candidates.get(step.child, True)
         for _ in range(1 if success else len(step.attempt.rejections) + 1):
-            self._edges[tree.nodes[step.node].s, action].learn(lineage, success)
+            edge.learn(lineage, success)
+        if not success:
+            obstacles = step.attempt.obstacles
+            edge.blame({*action.args, *obstacles} if obstacles else ())
         self._seconds[action.name, success].add(step.attempt.effort)
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
@@ -72,10 +76,12 @@ class Beliefs(Generic[C]):
         ahead = cache(self._ahead)
         times = []
         for run, P in zip(runs, self._see(tree, runs), strict=True):
-            lineage = tree.lineage(run.node)
-            first, *later = zip(tree.plans[run.plan].states, tree.plans[run.plan].actions, strict=False)
-            rest = (ahead(lineage, depth, edge) for depth, edge in enumerate(later, len(lineage)))
-            times.append(sum(rest, self._here(lineage, first, P)))
+            lineage, plan = tree.lineage(run.node), tree.plans[run.plan]
+            here = tuple(attempt.action for attempt in tree.path(run.node))
+            way = here + plan.actions
+            first, *later = zip(plan.states, plan.actions, strict=False)
+            rest = (ahead(lineage, way[:depth], edge) for depth, edge in enumerate(later, len(lineage)))
+            times.append(sum(rest, self._here(lineage, here, first, P)))
         return times
 
     def hoped(self, plan: Skeleton) -> float:
@@ -93,15 +99,15 @@ class Beliefs(Generic[C]):
                 self._usual[action.name].add(P)
         return estimates
 
-    def _here(self, lineage: Lineage, edge: "_Edge", P: float) -> float:
+    def _here(self, lineage: Lineage, way: Way, edge: "_Edge", P: float) -> float:
         """Time of an action from the last node, of which P is known."""
-        return self._time(edge[1], self._edges[edge].at(lineage, P))
+        return self._time(edge[1], self._edges[edge].at(lineage, way, P))
 
-    def _ahead(self, lineage: Lineage, depth: int, edge: "_Edge") -> float:
-        """Time of an action from a node at this depth that is still to be reached from the last one."""
+    def _ahead(self, lineage: Lineage, way: Way, edge: "_Edge") -> float:
+        """Time of an action from the end of a way that begins like the lineage."""
         usual = self._usually(edge[1])
         known = self._edges.get(edge)
-        return self._time(edge[1], known.ahead(lineage, depth, usual) if known else usual)
+        return self._time(edge[1], known.ahead(lineage, way, usual) if known else usual)
 
     def _usually(self, action: Action) -> float:
         """Mean P of actions of its name."""

@@ -1,12 +1,15 @@
 """Credit assignment: which of the earlier steps decides whether a later one succeeds."""
 
-from collections import defaultdict
-from collections.abc import Sequence
-from statistics import fmean
+from collections import Counter, defaultdict
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
+
+from ictamp_drake.core.types import Action
 
 Lineage = Sequence[int]
 """Numbers of the nodes from the root to a node, both included."""
+Way = Sequence[Action]
+"""Actions from the root to a node; the first argument of each is what it moves."""
 
 
 class _Evidence(NamedTuple):
@@ -32,11 +35,14 @@ class _Evidence(NamedTuple):
 
 
 class EdgeBelief:
-    """How likely an edge (s, a) succeeds from a node, reached or not: the mean over what may decide that.
+    """How likely an edge (s, a) succeeds from a node, reached or not: a mixture over what may decide that.
 
     Hypothesis r: the first r steps do. Nodes that share them form a group with one success probability, drawn from a
     Beta distribution whose mean all groups share. To repeat a step founds a new group under every r that includes it:
     the earlier the step, the more there is to hope for; and the less, the more such groups have failed.
+
+    All r are equally likely, until failures tell between what they came about: each is a vote for the last steps that
+    moved those objects, and what these were put on, and for r = 0.
 
     Args:
         strength: of the Beta distributions, and of P as a first guess at their mean [attempts].
@@ -47,6 +53,7 @@ class EdgeBelief:
         self._P: defaultdict[int, _Evidence] = defaultdict(_Evidence)
         self._groups: defaultdict[int, _Evidence] = defaultdict(_Evidence)
         self._all_groups = [_Evidence()]
+        self._blamed = Counter[frozenset[str]]()
 
     def see(self, lineage: Lineage, P: float) -> None:
         """Take in P of a node."""
@@ -62,22 +69,25 @@ class EdgeBelief:
             news = new.for_others(self._strength).minus(old.for_others(self._strength))
             self._all_groups[r] = self._all_groups[r].plus(news)
 
-    def at(self, lineage: Lineage, P: float) -> float:
+    def blame(self, objects: Collection[str]) -> None:
+        """Take in between which objects a failure came about; none when that is not known."""
+        self._blamed[frozenset(objects)] += 1
+
+    def at(self, lineage: Lineage, way: Way, P: float) -> float:
         """Success from a node with this P."""
-        groups = self._groups_of(lineage)
-        return self._mean(groups, [P] * len(groups))
+        return self._mean(self._groups_of(lineage), way, P)
 
-    def ahead(self, lineage: Lineage, depth: int, usual: float) -> float:
-        """Success from a node of this depth that is still to be reached from the last one here.
+    def ahead(self, lineage: Lineage, way: Way, usual: float) -> float:
+        """Success from a node that is still to be reached, on this way, from the last one of the lineage.
 
-        Its P is guessed from that of the nodes in its group; the usual P counts as one of them.
+        Its P is guessed from that of the nodes nearby; the usual P counts as one of them.
         """
-        self._allow(depth)
-        fresh = len(self._all_groups) - len(lineage)
-        anywhere = self._P[lineage[0]].posterior(usual, strength=1.0)
-        nearby = [self._P[node].posterior(anywhere, strength=1.0) for node in lineage]
-        groups = [self._groups[node] for node in lineage]
-        return self._mean(groups + [_Evidence()] * fresh, nearby + [anywhere] * fresh)
+        self._allow(len(way))
+        P = usual
+        for node in lineage:
+            P = self._P[node].posterior(P, strength=1.0)
+        fresh = [_Evidence()] * (len(self._all_groups) - len(lineage))
+        return self._mean([self._groups[node] for node in lineage] + fresh, way, P)
 
     def _groups_of(self, lineage: Lineage) -> list[_Evidence]:
         """What was seen in a node's group, for each r; where r is more steps than it has, it is alone."""
@@ -89,9 +99,31 @@ class EdgeBelief:
         """Consider every r up to this depth; every node so far was alone where r is more than were considered."""
         self._all_groups += self._all_groups[-1:] * (depth + 1 - len(self._all_groups))
 
-    def _mean(self, groups: Sequence[_Evidence], P: Sequence[float]) -> float:
-        beliefs = []
-        for group, all_groups, first in zip(groups, self._all_groups, P, strict=True):
+    def _mean(self, groups: Sequence[_Evidence], way: Way, P: float) -> float:
+        mean = 0.0
+        for share, group, all_groups in zip(self._shares(way), groups, self._all_groups, strict=True):
             others = all_groups.minus(group.for_others(self._strength))
-            beliefs.append(group.posterior(others.posterior(first, self._strength), self._strength))
-        return fmean(beliefs)
+            mean += share * group.posterior(others.posterior(P, self._strength), self._strength)
+        return mean
+
+    def _shares(self, way: Way) -> list[float]:
+        """How likely each r is; before any vote, and by a failure of which nothing is known, all have the same."""
+        count, unknown = len(self._all_groups), 1 + self._blamed[frozenset()]
+        votes = [unknown / count] * count
+        for objects, failures in self._blamed.items():
+            suspects = [0, *_last_moves(way, objects)] if objects else []
+            for r in suspects:
+                votes[r] += failures / len(suspects)
+        total = sum(votes)
+        return [vote / total for vote in votes]
+
+
+def _last_moves(way: Way, objects: Collection[str]) -> list[int]:
+    """Numbers of the last steps, counted from 1, that moved the objects and what these were put on."""
+    sought, found = {*objects}, dict[str, int]()
+    for number, action in zip(range(len(way), 0, -1), reversed(way), strict=True):
+        moved = next(iter(action.args), "")
+        if moved in sought and moved not in found:
+            found[moved] = number
+            sought.update(action.args)
+    return [*found.values()]

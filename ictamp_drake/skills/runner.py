@@ -95,9 +95,11 @@ class Skills:
         """
         stopwatch = Stopwatch()
         drawing = self.sampler.draws(c, action, rng) if k is None else iter((k,))
-        k, plan, rejections = self._plan(c, action, drawing, rng, stopwatch)
+        k, plan, refusals = self._plan(c, action, drawing, rng, stopwatch)
+        rejections = tuple(refusal.failure for refusal in refusals)
         if isinstance(plan, Refusal):
-            return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail)
+            obstacles = frozenset(refusal.obstacle for refusal in (*refusals, plan) if refusal.obstacle)
+            return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail, obstacles)
         try:
             with stopwatch.stage("physics"):
                 outcome = execute(self.physics, c, action, plan)
@@ -115,7 +117,7 @@ class Skills:
         drawing: Iterator[Parameter | Failure],
         rng: np.random.Generator,
         stopwatch: Stopwatch,
-    ) -> tuple[Parameter | None, Motion | Refusal, tuple[Failure, ...]]:
+    ) -> tuple[Parameter | None, Motion | Refusal, list[Refusal]]:
         """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
         refusals: list[Refusal] = []
         k = None
@@ -131,9 +133,9 @@ class Skills:
             with stopwatch.stage("motion"):
                 plan = self.skills[action.name].plan(c, action, k, rng)
             if not isinstance(plan, Refusal):
-                return k, plan, tuple(refusal.failure for refusal in refusals)
+                return k, plan, refusals
             refusals.append(plan)
-        return k, refusals[-1], tuple(refusal.failure for refusal in refusals[:-1])
+        return k, refusals[-1], refusals[:-1]
 
 
 def execute(

@@ -144,6 +144,7 @@ def test_transfer_from_or_into_a_collision_is_refused(planner: MotionPlanner, do
     assert isinstance(refusal, Refusal)
     assert refusal.failure is failure
     assert "would touch table" in refusal.detail
+    assert refusal.obstacle == "table"
 
 
 def test_transfer_without_a_way_is_refused(world: World, down) -> None:

@@ -1,6 +1,7 @@
 """What a search learns about its steps: by hand, and laws of it."""
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -30,13 +31,12 @@ class Search:
         for plan in (RIGHT_UP, UP_RIGHT):
             self.tree.record_opening(plan, 1)
 
-    def attempt(self, node: int, plan: int, success: bool, seconds: float = 1.0, refused: int = 0) -> None:
+    def attempt(self, node: int, plan: int, success: bool, seconds: float = 1.0, **more: Any) -> None:
         action: Action = self.tree.plans[plan].actions[0]
         x, y = self.tree.nodes[node].c.cell
         successor = ToyConfiguration((x + CELLS[action][0], y + CELLS[action][1]), 0.1)
         failure = None if success else Failure.SLIPPED
-        rejections = (Failure.NO_PATH,) * refused
-        attempt = Attempt(action, failure, successor, rejections=rejections, seconds={"physics": seconds})
+        attempt = Attempt(action, failure, successor, seconds={"physics": seconds}, **more)
         self.beliefs.learn(self.tree, self.tree.record_step(node, plan, attempt))
 
     def remaining(self, node: int, plan: int) -> float:
@@ -65,9 +65,9 @@ def test_attempts_from_the_same_node_count_in_full() -> None:
 
 def test_a_failure_counts_as_often_as_it_tried_and_a_success_once() -> None:
     search = Search()
-    search.attempt(ROOT, 0, success=False, refused=7)
+    search.attempt(ROOT, 0, success=False, rejections=(Failure.NO_PATH,) * 7)
     assert search.remaining(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 8)) + 1 / CONFIG.hope)
-    search.attempt(ROOT, 0, success=True, refused=3)
+    search.attempt(ROOT, 0, success=True, rejections=(Failure.NO_PATH,) * 3)
     assert search.remaining(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 9)) + 1 / CONFIG.hope)
 
 
@@ -124,6 +124,17 @@ def test_what_is_hoped_of_a_plan_knows_no_failures() -> None:
         search.attempt(ROOT, 0, success=False)
     assert search.beliefs.hoped(RIGHT_UP) == pytest.approx(1 / 0.5 + 1 / 0.8)
     assert search.remaining(ROOT, 0) > before[0]
+
+
+def test_a_failure_at_an_obstacle_is_blamed_on_the_steps_that_put_things_there() -> None:
+    """Both ways have failed as often; but nothing that was moved was in the way, so the first step is not repeated."""
+    known, unknown = Search(), Search()
+    for search, obstacles in ((known, frozenset({"wall"})), (unknown, frozenset[str]())):
+        search.attempt(ROOT, 0, success=True)
+        for _ in range(9):
+            search.attempt(1, 2, success=False, obstacles=obstacles)
+    assert known.remaining(1, 2) == pytest.approx(unknown.remaining(1, 2))
+    assert known.remaining(ROOT, 0) > 1.5 * unknown.remaining(ROOT, 0)
 
 
 @given(outcomes=st.lists(st.booleans(), max_size=8), right=st.floats(0, 1), strength=st.floats(0.1, 10))

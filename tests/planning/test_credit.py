@@ -6,11 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ictamp_drake.core.types import Action
 from ictamp_drake.planning.credit import EdgeBelief
 
 STRENGTH = 2.0
 LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
 """Two pairs of siblings, one of which has a level more, and a node at the end of a shorter way."""
+
+WAY = tuple(Action("put", args) for args in (("cup", "table"), ("saucer", "table"), ("cup", "saucer")))
+"""What leads to a node three steps from the root."""
 
 Attempts = Sequence[tuple[int, bool]]
 attempts = st.lists(st.tuples(st.integers(0, len(LINEAGES) - 1), st.booleans()), max_size=12)
@@ -25,20 +29,28 @@ def after(history: Attempts) -> EdgeBelief:
     return belief
 
 
+def at(belief: EdgeBelief, lineage: Sequence[int], P: float) -> float:
+    return belief.at(lineage, WAY[: len(lineage) - 1], P)
+
+
+def ahead(belief: EdgeBelief, lineage: Sequence[int], depth: int, usual: float) -> float:
+    return belief.ahead(lineage, WAY[:depth], usual)
+
+
 def everywhere(belief: EdgeBelief) -> list[float]:
     """Success from each node and from one below each."""
-    return [value for way in LINEAGES for value in (belief.at(way, 0.6), belief.ahead(way, len(way), 0.6))]
+    return [value for way in LINEAGES for value in (at(belief, way, 0.6), ahead(belief, way, len(way), 0.6))]
 
 
 def test_before_any_attempt_P_is_believed() -> None:
     belief = EdgeBelief(STRENGTH)
-    assert belief.at((0, 1), 0.3) == pytest.approx(0.3)
-    assert belief.ahead((0, 1), depth=2, usual=0.8) == pytest.approx(0.8)
+    assert at(belief, (0, 1), 0.3) == pytest.approx(0.3)
+    assert ahead(belief, (0, 1), depth=2, usual=0.8) == pytest.approx(0.8)
 
 
 def test_attempts_from_one_node_update_its_beta_distribution() -> None:
     belief = after([(0, False), (0, False), (0, True)])
-    assert belief.at(LINEAGES[0], 0.6) == pytest.approx((STRENGTH * 0.6 + 1) / (STRENGTH + 3))
+    assert at(belief, LINEAGES[0], 0.6) == pytest.approx((STRENGTH * 0.6 + 1) / (STRENGTH + 3))
 
 
 def test_a_sibling_shares_the_group_until_the_last_step_decides() -> None:
@@ -46,13 +58,13 @@ def test_a_sibling_shares_the_group_until_the_last_step_decides() -> None:
     belief = after([(0, False)])
     shared = STRENGTH * 0.6 / (STRENGTH + 1)
     alone = STRENGTH * 0.6 / (STRENGTH + STRENGTH / (STRENGTH + 1))
-    assert belief.at(LINEAGES[1], 0.6) == pytest.approx((2 * shared + alone) / 3)
+    assert at(belief, LINEAGES[1], 0.6) == pytest.approx((2 * shared + alone) / 3)
 
 
 def test_the_earlier_a_step_is_repeated_the_more_hope() -> None:
     belief = after([(0, False)] * 20)
-    hopes = [belief.ahead(LINEAGES[0][: kept + 1], depth=2, usual=0.6) for kept in range(2)]
-    assert hopes[0] > 1.5 * hopes[1] > 3 * belief.at(LINEAGES[0], 0.6)
+    hopes = [ahead(belief, LINEAGES[0][: kept + 1], depth=2, usual=0.6) for kept in range(2)]
+    assert hopes[0] > 1.5 * hopes[1] > 3 * at(belief, LINEAGES[0], 0.6)
 
 
 def test_repeating_a_step_gives_less_hope_each_time_it_did_not_help() -> None:
@@ -60,7 +72,7 @@ def test_repeating_a_step_gives_less_hope_each_time_it_did_not_help() -> None:
     for node in range(2, 8):
         for _ in range(5):
             belief.learn((0, 1, node), success=False)
-        hopes.append(belief.ahead((0, 1), depth=2, usual=0.6))
+        hopes.append(ahead(belief, (0, 1), depth=2, usual=0.6))
     assert hopes == sorted(hopes, reverse=True)
     assert hopes[-1] < 0.4 * hopes[0]
 
@@ -71,8 +83,35 @@ def test_P_of_a_node_to_come_is_like_that_of_nodes_nearby() -> None:
         belief.see((0, 1, node), 0.1)
     anywhere = (0.9 + 3 * 0.1) / 4
     below_1 = (anywhere + 3 * 0.1) / 4
-    assert belief.ahead((0, 1), depth=2, usual=0.9) == pytest.approx((2 * below_1 + anywhere) / 3)
-    assert belief.ahead((0,), depth=2, usual=0.9) == pytest.approx((below_1 + 2 * anywhere) / 3)
+    assert ahead(belief, (0, 1), depth=2, usual=0.9) == pytest.approx(below_1)
+    assert ahead(belief, (0,), depth=2, usual=0.9) == pytest.approx(anywhere)
+
+
+def test_a_failure_between_objects_is_blamed_on_the_steps_that_put_them_there() -> None:
+    """The cup hits the saucer, so to move the saucer, or the cup onto it, may help; the cup's earlier move may not."""
+    belief = EdgeBelief(STRENGTH)
+    for _ in range(500):
+        belief.learn((0, 1, 2, 3), success=False)
+        belief.blame({"cup", "saucer"})
+    hopes = [ahead(belief, range(kept + 1), depth=3, usual=0.6) for kept in range(4)]
+    assert hopes[0] == pytest.approx(hopes[1], rel=0.01)
+    assert hopes[1] > 1.5 * hopes[2] > 10 * hopes[3]
+
+
+def test_between_objects_that_nothing_moved_there_is_no_hope_in_repeating_steps() -> None:
+    belief = EdgeBelief(STRENGTH)
+    for _ in range(500):
+        belief.learn((0, 1, 2, 3), success=False)
+        belief.blame({"shelf"})
+    assert ahead(belief, (0,), depth=3, usual=0.6) < 0.01
+
+
+@given(blamed=st.lists(st.sets(st.sampled_from(["cup", "saucer", "table", "shelf"])), max_size=5))
+def test_blame_alone_changes_nothing(blamed: list[set[str]]) -> None:
+    belief = EdgeBelief(STRENGTH)
+    for objects in blamed:
+        belief.blame(objects)
+    assert everywhere(belief) == pytest.approx([0.6] * 2 * len(LINEAGES))
 
 
 @given(history=attempts)
@@ -98,8 +137,8 @@ def test_the_order_of_attempts_does_not_matter(history: Attempts, data: st.DataO
 def test_to_ask_changes_nothing(history: Attempts, way: tuple[int, ...]) -> None:
     asked = EdgeBelief(STRENGTH)
     for lineage, success in history:
-        asked.ahead(way, depth=9, usual=0.6)
+        ahead(asked, way, depth=3, usual=0.6)
         asked.learn(LINEAGES[lineage], success)
     plain = after(history)
-    plain.ahead(way, depth=9, usual=0.6)
+    ahead(plain, way, depth=3, usual=0.6)
     assert everywhere(asked) == pytest.approx(everywhere(plain))
