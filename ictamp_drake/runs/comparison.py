@@ -37,6 +37,7 @@ class Comparison:
         time, steps, pace: median over these of the strategy's time, low-level steps and computing time for a second of
             its plan as a multiple of the reference's, see `ratio`; None when there are no such problems. The last is
             far from 1 when the machine was not equally fast for both.
+        paced: the same of the time divided by the pace, which leaves the machine out.
     """
 
     level: str
@@ -50,6 +51,7 @@ class Comparison:
     time: Interval | None
     steps: Interval | None
     pace: Interval | None
+    paced: Interval | None
 
 
 def compared(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparison]:
@@ -76,6 +78,7 @@ def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) 
         time=ratio(both, "seconds"),
         steps=ratio(both, "steps"),
         pace=ratio(both, "pace"),
+        paced=ratio(both, "paced"),
     )
 
 

@@ -68,8 +68,9 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
 
     Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended; `counted`, the same, but the
     time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, `duration`
-    on the arm [s], `replay`, the computing time of executing it alone, and `pace`, that of a second of it, nan when
-    unsolved, not known or of an empty plan; `interference`; and as in the record `failures`, `stages` and `depths`.
+    on the arm [s], `replay`, the computing time of executing it alone, `pace`, that of a second of it, and `paced`, the
+    time divided by that, nan when unsolved, not known or of an empty plan; `interference`; and as in the record
+    `failures`, `stages` and `depths`.
     """
     strategies = [record.strategy or UNNAMED for record in records]
     levels = [record.level or OWN for record in records]
@@ -94,6 +95,7 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
         }
     )
     runs["pace"] = runs["replay"] / runs["duration"].where(runs["duration"] > 0)
+    runs["paced"] = runs["seconds"] / runs["pace"]
     runs["counted"] = runs["seconds"] if time_limit is None else runs["seconds"].where(runs["solved"], time_limit)
     return runs.sort_values(["level", "strategy", "problem", "seed"], ignore_index=True)
 

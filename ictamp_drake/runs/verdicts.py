@@ -35,6 +35,7 @@ HEADINGS = (
     "p (Holm)",
     "problems both solved",
     "time ratio (95 %)",
+    "at equal pace (95 %)",
     "time",
     "steps ratio (95 %)",
     "steps",
@@ -78,6 +79,12 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
     return less if interval.high < 1 else more if interval.low > 1 else NOT_SHOWN
 
 
+def time_verdict(comparison: Comparison) -> str:
+    """What the ratio of times shows; nothing when it shows that no more at equal pace."""
+    found, paced = (verdict(interval, *TIME) for interval in (comparison.time, comparison.paced))
+    return NOT_SHOWN if found in TIME and paced not in (found, verdict(None, *TIME)) else found
+
+
 def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
     """Every difference that is shown: 1 where the strategy is better and -1 where it is worse, and the figures."""
     shown = []
@@ -86,15 +93,16 @@ def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
         this, other = comparison.solved
         solves = f"solves {'more' if sign > 0 else 'fewer'}, {this} against {other} of {comparison.pairs}"
         shown.append((sign, f"{solves}, p = {probability(p)}".replace("= <", "<")))
-    for interval, less, more, of in ((comparison.time, *TIME, "time"), (comparison.steps, *STEPS, "steps")):
-        found = verdict(interval, less, more)
-        if found in (less, more):
-            shown.append((1 if found == less else -1, f"{shown_ratio(interval)} of the {of}"))
+    time, steps = time_verdict(comparison), verdict(comparison.steps, *STEPS)
+    if time in TIME:
+        paced = f", {shown_ratio(comparison.paced)} at equal pace" if comparison.paced else ""
+        shown.append((1 if time == TIME[0] else -1, f"{shown_ratio(comparison.time)} of the time{paced}"))
+    if steps in STEPS:
+        shown.append((1 if steps == STEPS[0] else -1, f"{shown_ratio(comparison.steps)} of the steps"))
     return shown
 
 
 def _cells(comparison: Comparison, p: float) -> list[str]:
-    time, steps = verdict(comparison.time, *TIME), verdict(comparison.steps, *STEPS)
     return [
         comparison.level,
         comparison.strategy,
@@ -105,9 +113,10 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
         probability(p),
         str(comparison.both),
         shown_ratio(comparison.time),
-        time,
+        shown_ratio(comparison.paced),
+        time_verdict(comparison),
         shown_ratio(comparison.steps),
-        steps,
+        verdict(comparison.steps, *STEPS),
         shown_ratio(comparison.pace),
     ]
 

@@ -103,7 +103,7 @@ def make_extreme(number: int, seed: int, stream: Stream) -> SceneSpec:
     return SceneSpec(
         supports=SUPPORTS,
         boxes=boxes,
-        goal=goal_of(*cast.towers, tipped=cast.tipped),
+        goal=goal_of(*(("rack", *tower) for tower in cast.towers), tipped=cast.tipped),
         seed=number,
         interference=tuple(kind for kind in INTERFERENCES if any(kind in each for each in kinds)),
         description=_describe(cast),

@@ -75,8 +75,8 @@ def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]
 
 
 def goal_of(*towers: Sequence[str], tipped: Collection[str] = ()) -> str:
-    """The PDDL formula that all towers stand on the rack, given from the bottom up; tipped boxes lie in them."""
-    steps = [step for tower in towers for step in itertools.pairwise(("rack", *tower))]
+    """The PDDL formula that all towers stand, given from their supports up; tipped boxes lie in them."""
+    steps = [step for tower in towers for step in itertools.pairwise(tower)]
     atoms = [f"({'lying' if above in tipped else 'on'} {above} {below})" for below, above in steps]
     return f"(and {' '.join(atoms)})"
 

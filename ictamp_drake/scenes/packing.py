@@ -63,7 +63,7 @@ def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream
     return SceneSpec(
         supports=SUPPORTS,
         boxes=boxes,
-        goal=goal_of(spec.tower),
+        goal=goal_of(("rack", *spec.tower)),
         seed=number,
         interference=tuple(kind for kind in INTERFERENCES if any(kind in kinds for kinds in roles.values())),
         description=_describe(level, roles),

@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.scenes.clutter import random_boxes, random_supports
+from ictamp_drake.scenes.levels import goal_of
 from ictamp_drake.scenes.spec import GRIPPER_WIDTH, ArmSpec, BoxSpec, SceneSpec, Vector
 
 LEAST_BOXES, MOST_BOXES = 3, 10
@@ -48,7 +49,7 @@ def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
             for name, support in supports.items()
         },
         boxes={name: _moved_box(_material(box, rng), arm) for name, box in boxes.items()},
-        goal=_goal(towers, boxes),
+        goal=goal_of(*towers, tipped=[name for name, box in boxes.items() if any(box.rotation[:2])]),
         seed=number,
         description=f"Varied: {len(boxes)} boxes on {', '.join(supports)}; build {' and '.join(map(_told, towers))}.",
     )
@@ -74,15 +75,6 @@ def _towers(supports: Sequence[str], carriers: Mapping[str, str], rng: np.random
         towers = [[str(rng.choice(supports)), *names] for names in (wanted[:cut], wanted[cut:]) if names]
         if any(carriers[above] != below for tower in towers for below, above in pairwise(tower)):
             return towers
-
-
-def _goal(towers: Sequence[Sequence[str]], boxes: Mapping[str, BoxSpec]) -> str:
-    atoms = [
-        f"({'lying' if any(boxes[above].rotation[:2]) else 'on'} {above} {below})"
-        for tower in towers
-        for below, above in pairwise(tower)
-    ]
-    return f"(and {' '.join(atoms)})"
 
 
 def _told(tower: Sequence[str]) -> str:

@@ -108,11 +108,13 @@ def test_without_a_common_solved_problem_there_is_no_ratio() -> None:
 
 
 def test_the_pace_is_that_of_the_machine_whatever_the_plans_take() -> None:
-    slow = run("a", 0, replay_time_s=6.0, plan_duration_s=30.0)
-    fast = run("b", 0, replay_time_s=6.0, plan_duration_s=60.0)
-    pace = only(compared(table(slow, fast), "a", "b")).pace
-    assert pace is not None
-    assert pace.value == pytest.approx(2.0)
+    slow = run("a", 0, 9.0, replay_time_s=6.0, plan_duration_s=30.0)
+    fast = run("b", 0, 3.0, replay_time_s=6.0, plan_duration_s=60.0)
+    found = only(compared(table(slow, fast), "a", "b"))
+    assert found.pace is not None
+    assert found.pace.value == pytest.approx(2.0)
+    assert found.paced is not None
+    assert found.paced.value == pytest.approx(3.0 / 2.0)
     for other in (run("b", 0), run("b", 0, replay_time_s=0.1, plan_duration_s=0.0)):
         assert only(compared(table(slow, other), "a", "b")).pace is None
 
