@@ -72,15 +72,17 @@ def work(options: Runner) -> Work:
 
 
 def _problems(options: Runner) -> Iterator[Problem]:
+    files = dict[str, Path]()
     for level in options.levels or (() if options.scenes else PAPER_LEVELS):
         for path in problem_files(level, options.problems):
-            yield Problem(f"{level}-{path.stem}", path, level)
-    names = dict[str, Path]()
+            name = f"{level}-{path.stem}"
+            files[name] = path
+            yield Problem(name, path, level)
     for path in options.scenes:
         load_scene(path)
-        if path.stem in names:
-            raise IctampError(f"scenes has {names[path.stem]} and {path}, but the names must be different")
-        names[path.stem] = path
+        if path.stem in files:
+            raise IctampError(f"scenes has {files[path.stem]} and {path}, but the names must be different")
+        files[path.stem] = path
         yield Problem(path.stem, path.absolute())
 
 

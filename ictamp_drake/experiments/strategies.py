@@ -12,6 +12,7 @@ _PRODUCT = (
     "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
     "--estimators.q-value.best"
 )
+_ONE_DRAW = "--skills.draws 1 --samplers.policy.candidates 1"
 
 STRATEGIES: dict[str, str] = {
     "p-score": "--planner completion-tree --estimator p-score",
@@ -34,7 +35,7 @@ STRATEGIES: dict[str, str] = {
 
 REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
     "paper": (
-        "--skills.draws 1 --samplers.policy.candidates 1 --time-limit 120 --max-steps 600",
+        f"{_ONE_DRAW} --time-limit 120 --max-steps 600",
         (
             "p-score",
             "p-product",
@@ -50,10 +51,7 @@ REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
         ),
     ),
     "default": ("--time-limit 60", ("p-score", "adaptive", "optimisation-constant")),
-    "ceiling": (
-        "--skills.draws 1 --samplers.policy.candidates 1 --time-limit 3600 --max-steps 300",
-        ("p-score", "monte-carlo"),
-    ),
+    "ceiling": (f"{_ONE_DRAW} --time-limit 3600 --max-steps 300", ("p-score", "monte-carlo")),
 }
 """Options that all strategies share, and which are run unless told otherwise.
 

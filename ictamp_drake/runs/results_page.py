@@ -31,7 +31,8 @@ PAIRED = (
     "counts as shown when 1 is not in it. Each interval stands for itself: where nothing differs, 1 in 20 would still "
     "say so. Problems that one of both left unsolved are not in the ratios. `pace ratio`, where it is known: of the "
     "computing time for a second of the found plan, 1 when the machine was as fast for both. `at equal pace`: of the "
-    "time divided by that; a difference in time counts as shown when it is in this one, too."
+    "time divided by that, over the problems of which it is known; a difference in time counts as shown when it is in "
+    "this one, too."
 )
 
 HEADROOM = (

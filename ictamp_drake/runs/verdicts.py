@@ -81,8 +81,9 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
 
 def time_verdict(comparison: Comparison) -> str:
     """What the ratio of times shows; nothing when it shows that no more at equal pace."""
-    found, paced = (verdict(interval, *TIME) for interval in (comparison.time, comparison.paced))
-    return NOT_SHOWN if found in TIME and paced not in (found, verdict(None, *TIME)) else found
+    found = verdict(comparison.time, *TIME)
+    confirmed = comparison.paced is None or verdict(comparison.paced, *TIME) == found
+    return found if confirmed or found not in TIME else NOT_SHOWN
 
 
 def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:

@@ -85,6 +85,16 @@ def test_scenes_that_are_none_or_share_a_name_are_refused(
         work(Runner(scenes=tuple(tmp_path / scene for scene in scenes)))
 
 
+def test_a_scene_with_the_name_of_a_problem_beside_it_is_refused(tmp_path: Path) -> None:
+    scene = tmp_path / "easy-000.yaml"
+    scene.write_bytes(problem_files("easy", "0")[0].read_bytes())
+    assert [job.problem.name for job in work(Runner(strategies=("adaptive",), scenes=(scene,))).jobs] == ["easy-000"]
+    with pytest.raises(
+        IctampError, match=r"scenes has .*000\.yaml and .*easy-000\.yaml, but the names must be different"
+    ):
+        work(Runner(levels=("easy",), scenes=(scene,)))
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
