@@ -16,7 +16,7 @@ import numpy as np
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Estimator, PlanParameters
-from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Parameter, Skeleton, State
+from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Obstruction, Parameter, Skeleton, State
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import Budget, Planner, PlannerConfig
@@ -131,7 +131,11 @@ class ToyGenerator:
     def exhausted(self) -> bool:
         return not self._plans
 
-    def next_plan(self, max_expansions: int) -> Skeleton | None:
+    def next_plan(
+        self,
+        max_expansions: int,
+        obstructions: frozenset[Obstruction] = frozenset(),  # noqa: ARG002  (nothing can be moved)
+    ) -> Skeleton | None:
         """The next plan, as soon as its expansions were paid for, in several calls if need be."""
         if self.exhausted:
             return None

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, C, FloatArray, Parameter, Skeleton, State
+from ictamp_drake.core.types import Action, Attempt, C, FloatArray, Obstruction, Parameter, Skeleton, State
 
 C_contra = TypeVar("C_contra", bound=Hashable, contravariant=True)
 
@@ -22,8 +22,13 @@ class PlanGenerator(Protocol):
     def expanded(self) -> int:
         """Nodes expanded since the start."""
 
-    def next_plan(self, max_expansions: int) -> Skeleton | None:
-        """Expand at most `max_expansions` nodes and return the first new plan met (Algorithm 3), else None."""
+    def next_plan(self, max_expansions: int, obstructions: frozenset[Obstruction] = frozenset()) -> Skeleton | None:
+        """Expand at most `max_expansions` nodes and return the first new plan met (Algorithm 3), else None.
+
+        Args:
+            max_expansions: in this call.
+            obstructions: what the plan is to get out of the way, as far as the generator can see to it.
+        """
 
 
 class Abstraction(Protocol[C_contra]):

@@ -53,6 +53,13 @@ class Action(NamedTuple):
         return f"{self.name}({', '.join(self.args)})"
 
 
+class Obstruction(NamedTuple):
+    """A box that is in the way of an action where it stood at first."""
+
+    action: Action
+    box: str
+
+
 @dataclass(frozen=True)
 class Skeleton:
     """p = (s_0, a_1, s_1, ..., a_n, s_n), a high-level plan (paper, Problem Formulation).
@@ -168,7 +175,7 @@ class Attempt(Generic[C]):
         rejections: kinematic failures of the parameters drawn before the last one.
         seconds: computing time by stage [s].
         detail: one sentence more than the failure says.
-        obstacles: what the arm or the held box would have touched, by name, with any of the parameters refused.
+        obstacles: what the arm or the held box would have touched, by name, once for each parameter refused for that.
     """
 
     action: Action
@@ -179,7 +186,7 @@ class Attempt(Generic[C]):
     rejections: tuple[Failure, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
     detail: str = ""
-    obstacles: frozenset[str] = frozenset()
+    obstacles: tuple[str, ...] = ()
 
     @property
     def succeeded(self) -> bool:

@@ -5,16 +5,17 @@ succeeded. The plan that is nearest to its end is run, from the node from which 
 further away, until another node, an earlier action or another plan is nearer.
 """
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import Generic
 
 import numpy as np
 
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import C
+from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.tree import ROOT, Opening, Tree
+from ictamp_drake.planning.tree import Opening, Step, Tree
 
 
 @dataclass(frozen=True)
@@ -44,34 +45,48 @@ class Adaptive(Generic[C]):
         self._beliefs = beliefs
         self._seen = 0
         self._best = np.inf
-        self._openings: list[float] = []
-        self._improvements = 0
+        self._openings: defaultdict[frozenset[Obstruction], _Openings] = defaultdict(_Openings)
+        self._asked: frozenset[Obstruction] = frozenset()
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
         """The next computational action."""
-        self._take_in(tree)
+        news, self._seen = tree.log[self._seen :], len(tree.log)
+        for entry in news:
+            if isinstance(entry, Step):
+                self._beliefs.learn(tree, entry)
         runs = [RunStep(*run) for run in tree.runs]
         remaining = self._beliefs.remaining(tree, runs)
-        self._best = min(remaining, default=np.inf)
-        if not runs or (not tree.exhausted and self._opening_pays(tree)):
-            return OpenPlan()
-        return runs[remaining.index(self._best)]
-
-    def _take_in(self, tree: Tree[C]) -> None:
-        for entry in tree.log[self._seen :]:
+        best = min(remaining, default=np.inf)
+        for entry in news:
             if isinstance(entry, Opening):
-                self._openings.append(entry.seconds)
-                self._improvements += self._improves(tree, entry.plan)
-            else:
-                self._beliefs.learn(tree, entry)
-        self._seen = len(tree.log)
-
-    def _improves(self, tree: Tree[C], plan: int | None) -> bool:
-        if plan is None or not tree.plans[plan].actions:
-            return False
-        return self._beliefs.remaining(tree, [RunStep(ROOT, plan)])[0] < self._best
+                self._openings[self._asked].add(entry.seconds, improved=best < self._best)
+        self._best = best
+        if not runs:
+            return OpenPlan()
+        run = runs[remaining.index(best)]
+        self._asked = self._beliefs.obstructions((*tree.way(run.node), *tree.plans[run.plan].actions))
+        if not tree.exhausted and self._opening_pays(tree):
+            return OpenPlan(self._asked, graft=bool(self._asked))
+        return run
 
     def _opening_pays(self, tree: Tree[C]) -> bool:
         saved = self._best - self._beliefs.hoped(tree.plans[tree.opened[-1]])
-        W = (1 + self._improvements) / (2 + len(self._openings)) * saved
-        return bool(np.mean(self._openings) < W)
+        openings = self._openings[self._asked]
+        W = (1 + openings.improvements) / (2 + openings.count) * saved
+        return openings.mean < W
+
+
+@dataclass
+class _Openings:
+    seconds: float = 0.0
+    count: int = 0
+    improvements: int = 0
+
+    @property
+    def mean(self) -> float:
+        return self.seconds / self.count if self.count else 0.0
+
+    def add(self, seconds: float, *, improved: bool) -> None:
+        self.seconds += seconds
+        self.count += 1
+        self.improvements += improved

@@ -1,16 +1,17 @@
 """What a search learns about its own steps: how likely they succeed, and how long they take to compute."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Generic
+from typing import Generic, NamedTuple
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Action, C, Skeleton, State
+from ictamp_drake.core.types import Action, C, Obstruction, Skeleton, State
 from ictamp_drake.planning.credit import EdgeBelief, Lineage, Way
 from ictamp_drake.planning.estimates import Estimates
+from ictamp_drake.planning.obstructions import Obstructions, moved_by
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import Step, Tree
 
@@ -26,6 +27,8 @@ class BeliefsConfig:
         duration: computing time of a step before any of its name succeeded [s].
         step: what a step counts for besides its computing time, so that those which are refused at once are not
             repeated hundreds of times [s].
+        patience: failures at a box which no step has moved that an action is expected to have before it succeeds, from
+            which on plans are sought that move the box first; infinite to seek none.
     """
 
     strength: float = 4.0
@@ -33,9 +36,10 @@ class BeliefsConfig:
     hope: float = 0.9
     duration: float = 0.5
     step: float = 0.03
+    patience: float = 1.5
 
     def __post_init__(self) -> None:
-        for name in ("strength", "floor", "hope", "duration"):
+        for name in ("strength", "floor", "hope", "duration", "patience"):
             if not getattr(self, name) > 0:
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
         if not self.step >= 0:
@@ -45,6 +49,8 @@ class BeliefsConfig:
 class Beliefs(Generic[C]):
     """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
 
+    Once boxes are known to be in the way of a, all its edges are one, and another one where they have been moved.
+
     A node that is still to be reached has the P of nodes nearby, or what P mostly is for actions of this name.
     """
 
@@ -53,7 +59,8 @@ class Beliefs(Generic[C]):
         self._estimates = Estimates(estimator)
         self._seen: set[tuple[int, Action]] = set()
         self._edges: defaultdict[_Edge, EdgeBelief] = defaultdict(lambda: EdgeBelief(config.strength))
-        self._usual: defaultdict[str, _Mean] = defaultdict(_Mean)
+        self._obstructions = Obstructions(config.patience)
+        self._usual: defaultdict[str | Action, _Mean] = defaultdict(_Mean)
         self._seconds: defaultdict[tuple[str, bool], _Mean] = defaultdict(_Mean)
 
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
@@ -61,15 +68,16 @@ class Beliefs(Generic[C]):
 
         One that finished a plan which was then refused as a whole is a failure.
         """
-        action, lineage = step.attempt.action, tree.lineage(step.node)
-        edge = self._edges[tree.nodes[step.node].s, action]
+        attempt, lineage = step.attempt, tree.lineage(step.node)
+        action, obstacles = attempt.action, attempt.obstacles
         success = step.child is not None and tree.candidates.get(step.child, True)
-        for _ in range(1 if success else len(step.attempt.rejections) + 1):
-            edge.learn(lineage, success)
-        if not success:
-            obstacles = step.attempt.obstacles
-            edge.blame({*action.args, *obstacles} if obstacles else ())
-        self._seconds[action.name, success].add(step.attempt.effort)
+        for edge in self._edges_at(tree, step.node, action):
+            for _ in range(1 if success else len(attempt.rejections) + 1):
+                edge.learn(lineage, success)
+            if not success:
+                edge.blame({*action.args, *obstacles} if obstacles else ())
+        self._obstructions.learn(tree.way(step.node), attempt, success)
+        self._seconds[action.name, success].add(attempt.effort)
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
@@ -77,9 +85,12 @@ class Beliefs(Generic[C]):
         times = []
         for run, P in zip(runs, self._see(tree, runs), strict=True):
             lineage, plan = tree.lineage(run.node), tree.plans[run.plan]
-            here = tuple(attempt.action for attempt in tree.path(run.node))
+            here = tree.way(run.node)
             way = here + plan.actions
-            first, *later = zip(plan.states, plan.actions, strict=False)
+            first, *later = (
+                self._edge(state, action, way[:depth])
+                for depth, (state, action) in enumerate(zip(plan.states, plan.actions, strict=False), len(here))
+            )
             rest = (ahead(lineage, way[:depth], edge) for depth, edge in enumerate(later, len(lineage)))
             times.append(sum(rest, self._here(lineage, here, first, P)))
         return times
@@ -88,6 +99,20 @@ class Beliefs(Generic[C]):
         """What `remaining` would be had nothing been attempted yet [s]."""
         return sum(self._time(action, self._usually(action)) for action in plan.actions)
 
+    def obstructions(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
+        """What had better be moved before these actions."""
+        return self._obstructions.of(actions)
+
+    def _edge(self, state: State, action: Action, way: Way) -> "_Edge":
+        """Where boxes are in the way of the action, it matters which have been moved, and no longer in what state."""
+        boxes = self._obstructions.boxes(action)
+        return _Edge(None, action, boxes & moved_by(way)) if boxes else _Edge(state, action)
+
+    def _edges_at(self, tree: Tree[C], node: int, action: Action) -> tuple[EdgeBelief, EdgeBelief]:
+        """Both that an action from the node tells of, should boxes in its way be found."""
+        moved = self._obstructions.boxes(action) & moved_by(tree.way(node))
+        return self._edges[_Edge(tree.nodes[node].s, action)], self._edges[_Edge(None, action, moved)]
+
     def _see(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """P of each step; what a node's first P of an action says about others is taken in once."""
         estimates = [max(self._config.floor, P) for P in self._estimates.of(tree, runs)]
@@ -95,23 +120,25 @@ class Beliefs(Generic[C]):
             action = tree.plans[plan].actions[0]
             if (node, action) not in self._seen:
                 self._seen.add((node, action))
-                self._edges[tree.nodes[node].s, action].see(tree.lineage(node), P)
+                for edge in self._edges_at(tree, node, action):
+                    edge.see(tree.lineage(node), P)
+                self._usual[action].add(P)
                 self._usual[action.name].add(P)
         return estimates
 
     def _here(self, lineage: Lineage, way: Way, edge: "_Edge", P: float) -> float:
         """Time of an action from the last node, of which P is known."""
-        return self._time(edge[1], self._edges[edge].at(lineage, way, P))
+        return self._time(edge.action, self._edges[edge].at(lineage, way, P))
 
     def _ahead(self, lineage: Lineage, way: Way, edge: "_Edge") -> float:
         """Time of an action from the end of a way that begins like the lineage."""
-        usual = self._usually(edge[1])
+        usual = self._usually(edge.action)
         known = self._edges.get(edge)
-        return self._time(edge[1], known.ahead(lineage, way, usual) if known else usual)
+        return self._time(edge.action, known.ahead(lineage, way, usual) if known else usual)
 
     def _usually(self, action: Action) -> float:
-        """Mean P of actions of its name."""
-        return self._usual[action.name].or_else(self._config.hope)
+        """Mean P of the action elsewhere, or else of actions of its name."""
+        return self._usual[action].or_else(self._usual[action.name].or_else(self._config.hope))
 
     def _time(self, action: Action, belief: float) -> float:
         """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
@@ -120,8 +147,12 @@ class Beliefs(Generic[C]):
         return success + self._config.step + (1 / belief - 1) * (failure + self._config.step)
 
 
-_Edge = tuple[State, Action]
-"""An edge of the high-level graph."""
+class _Edge(NamedTuple):
+    """An edge (s, a) of the high-level graph; or a in any state in which these of the boxes in its way were moved."""
+
+    state: State | None
+    action: Action
+    moved: frozenset[str] = frozenset()
 
 
 @dataclass

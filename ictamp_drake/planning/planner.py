@@ -127,7 +127,7 @@ class Planner(Generic[C]):
         while (reason := self._reason_to_stop(deadline)) is None:
             with self._stopwatch.stage("selection"):
                 option = self.rule.choose(self.tree, self.rng)
-            reached = self._open_plan() if isinstance(option, OpenPlan) else self._run_step(option)
+            reached = self._open_plan(option) if isinstance(option, OpenPlan) else self._run_step(option)
             if reached is not None and self.tree.is_finished(reached) and self._is_verified(reached):
                 return StopReason.SOLVED
         return reason
@@ -144,13 +144,14 @@ class Planner(Generic[C]):
             return StopReason.OUT_OF_STEPS
         return None
 
-    def _open_plan(self) -> Node[C]:
+    def _open_plan(self, option: OpenPlan) -> Node[C]:
         """Algorithm 3; returns the root, which is at the goal already when the new plan is empty."""
         before, start = self.generator.expanded, self.clock()
         with self._stopwatch.stage("plan_generator"):
-            plan = self.generator.next_plan(self.config.max_expansions)
+            plan = self.generator.next_plan(self.config.max_expansions, option.obstructions)
         self.tree.exhausted = self.generator.exhausted
-        opening = self.tree.record_opening(plan, self.generator.expanded - before, self.clock() - start)
+        expanded, seconds = self.generator.expanded - before, self.clock() - start
+        opening = self.tree.record_opening(plan, expanded, seconds, graft=option.graft)
         self._tell(PlanOpened(plan, opening.expanded, self.tree.exhausted))
         return self.tree.root
 

@@ -32,12 +32,14 @@ class ActionReport:
         attempts: low-level steps.
         failures: causes of the failed ones.
         rejections: causes for which parameters k were rejected before the last one of their attempt.
+        obstacles: what the arm or the held box would have touched with these, by name.
     """
 
     action: Action
     attempts: int = 0
     failures: Counter[Failure] = field(default_factory=Counter)
     rejections: Counter[Failure] = field(default_factory=Counter)
+    obstacles: Counter[str] = field(default_factory=Counter)
 
     @property
     def is_blocked(self) -> bool:
@@ -122,6 +124,7 @@ class PlanningResult(Generic[C]):
             report = reports.setdefault(step.attempt.action, ActionReport(step.attempt.action))
             report.attempts += 1
             report.rejections.update(step.attempt.rejections)
+            report.obstacles.update(step.attempt.obstacles)
             if step.attempt.failure is not None:
                 report.failures[step.attempt.failure] += 1
         return reports

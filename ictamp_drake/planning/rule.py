@@ -6,13 +6,21 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import C, Parameter
+from ictamp_drake.core.types import C, Obstruction, Parameter
 from ictamp_drake.planning.tree import Tree
 
 
 @dataclass(frozen=True)
 class OpenPlan:
-    """Ask the plan generator for one more high-level plan."""
+    """Ask the plan generator for one more high-level plan.
+
+    Attributes:
+        obstructions: what the plan is to get out of the way.
+        graft: go on with the plan from wherever its first actions have led already, not from the root alone.
+    """
+
+    obstructions: frozenset[Obstruction] = frozenset()
+    graft: bool = False
 
 
 class RunStep(NamedTuple):

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic
 
-from ictamp_drake.core.types import Attempt, C, Skeleton, State
+from ictamp_drake.core.types import Action, Attempt, C, Skeleton, State
 
 ROOT = 0
 """Number of the root node n_0."""
@@ -137,8 +137,16 @@ class Tree(Generic[C]):
         """True when the node holds an empty plan, that is, when a plan was carried out up to here."""
         return any(not self.plans[plan].actions for plan in node.cnt)
 
-    def record_opening(self, plan: Skeleton | None, expanded: int, seconds: float = 0.0) -> Opening:
+    def record_opening(
+        self, plan: Skeleton | None, expanded: int, seconds: float = 0.0, *, graft: bool = False
+    ) -> Opening:
         """Give the root a new plan, or note that a call of the generator brought none.
+
+        Args:
+            plan: the new one.
+            expanded: nodes that the generator expanded for it.
+            seconds: computing time [s].
+            graft: give each node that was reached by the first actions of the plan the rest of it.
 
         Raises:
             ValueError: when the plan does not start in the root's state.
@@ -146,6 +154,8 @@ class Tree(Generic[C]):
         if plan is not None and plan.states[0] != self.root.s:
             raise ValueError("a high-level plan must start in the symbolic state of the root")
         opening = Opening(None if plan is None else self._hold(self.root, plan), expanded, seconds)
+        if plan is not None and graft:
+            self._graft(plan)
         self.log.append(opening)
         return opening
 
@@ -172,6 +182,10 @@ class Tree(Generic[C]):
         """The attempts that lead from the root to the node, empty for the root."""
         attempts = [self.nodes[number].attempt for number in self.lineage(node)]
         return tuple(attempt for attempt in attempts if attempt is not None)
+
+    def way(self, node: int) -> tuple[Action, ...]:
+        """The actions that lead from the root to the node, none for the root."""
+        return tuple(attempt.action for attempt in self.path(node))
 
     def summary(self) -> dict[str, int]:
         """The figures that every comparison of searches needs."""
@@ -212,6 +226,14 @@ class Tree(Generic[C]):
             node.cnt[number] = 0
             self.holders[number].append(node.index)
         return number
+
+    def _graft(self, plan: Skeleton) -> None:
+        rests: dict[int | None, Skeleton] = {ROOT: plan}
+        for node in self.nodes:
+            before = rests.get(node.parent)
+            if before and node.attempt and (node.attempt.action, node.s) == (before.actions[0], before.states[1]):
+                rests[node.index] = before.suffix(1)
+                self._hold(node, rests[node.index])
 
     def _add_child(self, parent: Node[C], plan: int, attempt: Attempt[C]) -> int:
         if attempt.successor is None:

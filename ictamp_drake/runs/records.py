@@ -44,6 +44,7 @@ class Record:
         seconds_by_stage: computing time by stage [s]; "setup" is loading and building the scene.
         replay_time_s: computing time of executing the verified plan from the start [s], None when unsolved.
         blocked: for each action that was tried and never succeeded, how many parameters k were refused by what.
+        obstacles: for each of these, with how many of the k the arm or the held box would have touched what.
         error: traceback when the problem was not brought to an end by itself, else None.
         load: the machine's load averages over 1, 5 and 15 minutes at the end.
     """
@@ -67,6 +68,7 @@ class Record:
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
     replay_time_s: float | None = None
     blocked: dict[str, dict[str, int]] = field(default_factory=dict)
+    obstacles: dict[str, dict[str, int]] = field(default_factory=dict)
     error: str | None = None
     load: tuple[float, ...] = field(default_factory=os.getloadavg)
 
@@ -113,6 +115,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         },
         replay_time_s=None if solution.replay is None else _rounded(solution.replay.seconds),
         blocked={str(report.action): _refusals(report) for report in result.blocked},
+        obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
     )
 
 

@@ -22,6 +22,9 @@ LEGEND = (
     "for each skill of the plan, planning time / computing time of the replay."
 )
 
+OBSTACLES = 3
+"""Things named that were in the way of an action."""
+
 PARAMETERS = {"pick": "grasps", "place": "placements"}
 """What k is for each skill."""
 
@@ -103,7 +106,7 @@ def unsolved(record: Record) -> Iterator[Text]:
     if record.verified is False:
         yield Text("  a plan was carried out to the goal, but not again when it was replayed as a whole")
     for action, refusals in list(record.blocked.items())[:BLOCKERS]:
-        yield Text(f"  {blocker(action, refusals)}")
+        yield Text(f"  {blocker(action, refusals, record.obstacles.get(action, {}))}")
     if not record.high_level_plans:
         yield Text("  no high-level plan was found")
     elif not record.blocked:
@@ -112,11 +115,13 @@ def unsolved(record: Record) -> Iterator[Text]:
         yield Text(f"  every action that was tried succeeded at least once; {failed}{causes}")
 
 
-def blocker(action: str, refusals: dict[str, int]) -> str:
-    """E.g. "pick(red_box, rack): 30 of 30 grasps: no inverse-kinematics solution"."""
+def blocker(action: str, refusals: dict[str, int], obstacles: dict[str, int]) -> str:
+    """E.g. "pick(red_box, rack): 30 of 30 grasps: grasp or placement in collision; in the way: blue_box (30)"."""
     total = sum(refusals.values())
     what = PARAMETERS.get(action.partition("(")[0], "parameters k")
-    return f"{action}: {total} of {total} {what}: {_listed(refusals)}"
+    line = f"{action}: {total} of {total} {what}: {_listed(refusals)}"
+    worst = ", ".join(f"{name} ({count})" for name, count in Counter(obstacles).most_common(OBSTACLES))
+    return f"{line}; in the way: {worst}" if worst else line
 
 
 def _listed(causes: dict[str, int]) -> str:

@@ -98,7 +98,7 @@ class Skills:
         k, plan, refusals = self._plan(c, action, drawing, rng, stopwatch)
         rejections = tuple(refusal.failure for refusal in refusals)
         if isinstance(plan, Refusal):
-            obstacles = frozenset(refusal.obstacle for refusal in (*refusals, plan) if refusal.obstacle)
+            obstacles = tuple(refusal.obstacle for refusal in (*refusals, plan) if refusal.obstacle)
             return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail, obstacles)
         try:
             with stopwatch.stage("physics"):

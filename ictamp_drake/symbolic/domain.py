@@ -1,12 +1,12 @@
 """The ground domain of one scene: which actions apply in a state s and where each of them leads."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action, Atom, State
-from ictamp_drake.symbolic.atoms import IN_HAND, LYING, ON, TIPPED, UPRIGHT
+from ictamp_drake.core.types import Action, Atom, Obstruction, State
+from ictamp_drake.symbolic.atoms import IN_HAND, LYING, MOVED, ON, TIPPED, UPRIGHT
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,29 @@ class Domain:
         if ground is None or not ground.preconditions <= state:
             raise ValueError(f"{action} is not applicable in the given state.")
         return ground.applied(state)
+
+    def minding(self, obstructions: Collection[Obstruction]) -> "Domain":
+        """The domain in which the boxes that are in the way of an action must have been moved before it.
+
+        Its states remember that as moved(box), from when the box is placed. To pick such a box comes last in the order
+        of actions, so that plans follow those without obstructions for as long as they can.
+        """
+        boxes = {obstruction.box for obstruction in obstructions}
+        in_order = sorted(
+            self.actions, key=lambda ground: ground.action.name == "pick" and ground.action.args[0] in boxes
+        )
+        return replace(
+            self,
+            actions=tuple(
+                replace(
+                    ground,
+                    preconditions=ground.preconditions
+                    | {Atom(MOVED, (box,)) for action, box in obstructions if action == ground.action},
+                    add=ground.add | {Atom(MOVED, (box,)) for box in boxes if Atom(IN_HAND, (box,)) in ground.delete},
+                )
+                for ground in in_order
+            ),
+        )
 
     @cached_property
     def _by_name(self) -> dict[Action, GroundAction]:

@@ -2,12 +2,11 @@
 
 import math
 from collections import deque
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import Protocol
 
 from ictamp_drake.core.types import Atom, State
-from ictamp_drake.symbolic.atoms import held_box, supporters
+from ictamp_drake.symbolic.atoms import MOVED, beneath, held_box, supporters
 from ictamp_drake.symbolic.domain import Domain
 
 
@@ -76,10 +75,11 @@ class BreadthFirstDistance:
 class MoveCount:
     """A lower bound from the towers alone, times a weight: two actions for each move that cannot be avoided.
 
-    A box must move when it is not where the goal wants it, when it is where the goal wants another box, or when it
-    rests on a box that must move. It must move twice when a box that must move is beneath it now and in the goal: it
-    has to leave before that box does, and can take its place only after. The bound never falls by more than one an
-    action, so with weight 1 plans come in order of their length; more weight means fewer nodes and longer plans.
+    A box must move when it is not where the goal wants it, when it is where the goal wants another box, when the goal
+    wants it moved, or when it rests on a box that must move. It must move twice when a box that must move is beneath it
+    now and in the goal: it has to leave before that box does, and can take its place only after. The bound never falls
+    by more than one an action, so with weight 1 plans come in order of their length; more weight means fewer nodes and
+    longer plans.
     """
 
     horizon = math.inf
@@ -88,9 +88,10 @@ class MoveCount:
         self._weight = weight
         self._goal = goal
         self._known: dict[State, float] = {}
-        self._target = {atom.args[0]: atom.args[1] for atom in goal}
+        self._to_be_moved = frozenset(atom for atom in goal if atom.predicate == MOVED)
+        self._target = {atom.args[0]: atom.args[1] for atom in goal - self._to_be_moved}
         self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
-        self._beneath_in_goal = {box: frozenset(_beneath(box, self._target)) for box in self._target}
+        self._beneath_in_goal = {box: frozenset(beneath(box, self._target)) for box in self._target}
 
     def remaining(self, state: State) -> float:
         if state not in self._known:
@@ -104,7 +105,8 @@ class MoveCount:
         if self._goal <= state:
             return 0
         supporter = supporters(state)
-        to_move = {box for box in supporter if self._must_move(box, supporter)}
+        unmoved = {atom.args[0] for atom in self._to_be_moved - state}
+        to_move = {box for box in supporter if self._must_move(box, supporter, unmoved)}
         actions = 2 * len(to_move)
         actions += sum(2 for box in to_move if self._must_move_twice(box, supporter, to_move))
         held = held_box(state)
@@ -112,16 +114,16 @@ class MoveCount:
             actions += 1 if self._can_be_placed(held, supporter, to_move) else 3
         return actions
 
-    def _must_move(self, box: str, supporter: dict[str, str]) -> bool:
-        tower = (box, *_beneath(box, supporter))
-        return any(self._misplaced(upper, lower) for upper, lower in pairwise(tower))
+    def _must_move(self, box: str, supporter: dict[str, str], unmoved: set[str]) -> bool:
+        tower = (box, *beneath(box, supporter))
+        return not unmoved.isdisjoint(tower) or any(self._misplaced(upper, lower) for upper, lower in pairwise(tower))
 
     def _misplaced(self, box: str, below: str) -> bool:
         return self._target.get(box, below) != below or self._occupant.get(below, box) != box
 
     def _must_move_twice(self, box: str, supporter: dict[str, str], to_move: set[str]) -> bool:
         in_goal = self._beneath_in_goal.get(box, frozenset())
-        return any(below in to_move and below in in_goal for below in _beneath(box, supporter))
+        return any(below in to_move and below in in_goal for below in beneath(box, supporter))
 
     def _can_be_placed(self, held: str, supporter: dict[str, str], to_move: set[str]) -> bool:
         in_goal = self._beneath_in_goal.get(held, frozenset())
@@ -149,10 +151,3 @@ class Patience:
         self._left -= 1
         if not self._left:
             self._guide = self._then
-
-
-def _beneath(box: str, supporter: dict[str, str]) -> Iterator[str]:
-    """What is beneath the box, down to the support."""
-    while box in supporter:
-        box = supporter[box]
-        yield box

@@ -12,7 +12,8 @@ from typing import NamedTuple, Optional
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
-from ictamp_drake.core.types import Action, Atom, Skeleton, State
+from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
+from ictamp_drake.symbolic.atoms import MOVED, beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount, Patience
 
@@ -35,7 +36,9 @@ class BreadthFirst:
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""
         distance, moves = BreadthFirstDistance(domain, initial, goal), MoveCount(domain, goal, weight=1.0)
-        return PlanStream(domain, initial, goal, Patience(distance, moves, self.patience))
+        return Detours(
+            domain, initial, goal, PlanStream(domain, initial, goal, Patience(distance, moves, self.patience))
+        )
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class BestFirst:
 
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""
-        return PlanStream(domain, initial, goal, MoveCount(domain, goal, self.weight))
+        return Detours(domain, initial, goal, PlanStream(domain, initial, goal, MoveCount(domain, goal, self.weight)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,8 +150,59 @@ class PlanStream:
                 self._generated += 1
 
 
+class Detours:
+    """A stream of plans, and beside it one for each set of obstructions, of plans that move them first.
+
+    Such a plan moves each box at least once, if only to another place on what it stands on, and before the action that
+    it hinders. Nothing says that it will be out of the way then; that is the affair of the steps.
+    """
+
+    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], plain: PlanStream) -> None:
+        self._domain = domain
+        self._initial = initial
+        self._goal = goal
+        self._plain = plain
+        self._around: dict[frozenset[Obstruction], PlanStream] = {}
+        self._barren: set[frozenset[Obstruction]] = set()
+        self._supporters = supporters(initial)
+
+    @property
+    def exhausted(self) -> bool:
+        """True when no further plan can come."""
+        return self._plain.exhausted
+
+    @property
+    def expanded(self) -> int:
+        """Nodes expanded since the start."""
+        return sum(stream.expanded for stream in (self._plain, *self._around.values()))
+
+    def next_plan(self, max_expansions: int, obstructions: frozenset[Obstruction] = frozenset()) -> Skeleton | None:
+        """Expand at most `max_expansions` nodes and return the first new plan met, else None.
+
+        When none is met that moves the obstructions, the next one with these is any plan.
+        """
+        obstructions = frozenset(filter(self._can_be_moved_first, obstructions))
+        if not obstructions or obstructions in self._barren:
+            return self._plain.next_plan(max_expansions)
+        if obstructions not in self._around:
+            self._around[obstructions] = self._stream_around(obstructions)
+        plan = self._around[obstructions].next_plan(max_expansions)
+        if plan is None:
+            self._barren.add(obstructions)
+        return plan
+
+    def _can_be_moved_first(self, obstruction: Obstruction) -> bool:
+        """No support can be moved, nor a box before what is on top of it is picked up."""
+        (name, args), box = obstruction
+        return box in self._domain.boxes and not (name == "pick" and box in beneath(args[0], self._supporters))
+
+    def _stream_around(self, obstructions: frozenset[Obstruction]) -> PlanStream:
+        domain = self._domain.minding(obstructions)
+        goal = self._goal | {Atom(MOVED, (box,)) for _, box in obstructions}
+        return PlanStream(domain, self._initial, goal, MoveCount(domain, goal, weight=1.0))
+
+
 def _skeleton(path: _Path) -> Skeleton:
     paths = list(path)[::-1]
-    return Skeleton(
-        tuple(each.state for each in paths), tuple(each.action for each in paths if each.action is not None)
-    )
+    states = (frozenset(atom for atom in each.state if atom.predicate != MOVED) for each in paths)
+    return Skeleton(tuple(states), tuple(each.action for each in paths if each.action is not None))

@@ -1,10 +1,22 @@
 """Adaptive allocation: where the next step goes, and when another plan is opened."""
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
+import numpy as np
+import pytest
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
+from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.beliefs import BeliefsConfig
+from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.tree import Opening
+from ictamp_drake.symbolic.atoms import ON
+from ictamp_drake.symbolic.skeletons import BreadthFirst
+from tests.symbolic.towers import Problem, state
 from tests.toy_world import RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
 
 RULE = AdaptiveConfig()
@@ -83,3 +95,71 @@ def test_a_narrow_door_is_passed_with_every_seed() -> None:
     world = ToyWorld(size=(2, 1), doors={(2, 1): 0.05}, max_plans=1)
     for seed in range(10):
         assert toy_planner(replace(world, success=0.9), rule=RULE, seed=seed, steps=2000).run().solved
+
+
+class Parked(NamedTuple):
+    """c: the state, and which boxes have been moved."""
+
+    s: State
+    moved: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class ParkingLot:
+    """Boxes on a table of which none can be picked while another one stands where it stood at first."""
+
+    problem: Problem
+    in_the_way: dict[str, str]
+
+    @property
+    def draws(self) -> int:
+        return 1
+
+    def attempt(
+        self,
+        c: Parked,
+        action: Action,
+        promised: State,
+        rng: np.random.Generator,  # noqa: ARG002
+        k: Parameter | None = None,  # noqa: ARG002
+    ) -> Attempt[Parked]:
+        box = action.args[0]
+        hindered = action.name == "pick" and {self.in_the_way.get(box, box)} - c.moved - {box}
+        if hindered:
+            return Attempt(action, Failure.GOAL_IN_COLLISION, obstacles=tuple(hindered), seconds={"motion": 0.5})
+        return Attempt(action, None, Parked(promised, c.moved | {box}), np.zeros(4), seconds={"physics": 0.5})
+
+
+LOT = ParkingLot(
+    Problem(
+        ("low", "tall", "wide", "far"),
+        ("table",),
+        state([("table", box) for box in ("low", "tall", "wide", "far")]),
+        frozenset({Atom(ON, ("low", "far"))}),
+    ),
+    {"low": "tall", "tall": "wide"},
+)
+
+
+@pytest.mark.parametrize(("patience", "solved"), [(BeliefsConfig().patience, True), (math.inf, False)])
+def test_boxes_of_which_the_goal_does_not_speak_are_moved_out_of_the_way(patience: float, solved: bool) -> None:
+    """Each was moved on the table, which changes no state, so no plan does so unless it is asked to."""
+    config = PlannerConfig(Budget(60.0, 200), rule=AdaptiveConfig(BeliefsConfig(patience=patience)))
+    result = config.create(
+        c=Parked(LOT.problem.initial),
+        abstraction=lambda c: c.s,
+        generator=BreadthFirst().create(LOT.problem.domain, LOT.problem.initial, LOT.problem.goal),
+        skills=LOT,
+        estimator=ConstantConfig().create(),
+        verify=lambda _: True,
+        rng=np.random.default_rng(0),
+        clock=TickingClock(),
+    ).run()
+    assert result.solved is solved
+    if result.plan is not None:
+        assert [a.action.args for a in result.plan if a.action.name == "pick"] == [
+            ("wide", "table"),
+            ("tall", "table"),
+            ("low", "table"),
+        ]
+        assert result.low_level_steps <= 60

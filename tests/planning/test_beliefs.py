@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt
+from ictamp_drake.core.types import Action, Attempt, Obstruction, Skeleton
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import ROOT, Tree
@@ -92,6 +92,41 @@ def test_the_same_action_on_another_edge_is_no_evidence() -> None:
     assert search.remaining(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
 
 
+def test_what_was_estimated_of_an_action_elsewhere_is_expected_of_it_and_not_of_others_of_its_name() -> None:
+    here, there, far = (abstraction(ToyConfiguration((x, 0), 0.0)) for x in range(3))
+    go, low, high = Action("go", ()), Action("pick", ("low",)), Action("pick", ("high",))
+    tree = Tree(WORLD.start, here)
+    for action, after in ((low, there), (high, there), (go, far)):
+        tree.record_opening(Skeleton((here, after), (action,)), 1)
+    beliefs: Beliefs[ToyConfiguration] = Beliefs(CONFIG, TableEstimator({low: 0.2, high: 0.8, go: 1.0}))
+    beliefs.remaining(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    for action, expected in ((low, 0.2), (high, 0.8), (Action("pick", ("other",)), 0.5)):
+        opening = tree.record_opening(Skeleton((here, far, there), (go, action)), 1)
+        assert opening.plan is not None
+        (time,) = beliefs.remaining(tree, [RunStep(ROOT, opening.plan)])
+        assert time == pytest.approx(1 + 1 / expected)
+
+
+def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> None:
+    start = abstraction(WORLD.start)
+    low, aside = Action("pick", ("low", "table")), Action("push", ("tall", "table"))
+    tree = Tree(WORLD.start, start)
+    tree.record_opening(Skeleton((start, start), (low,)), 1)
+    tree.record_opening(Skeleton((start, start, start), (aside, low)), 1)
+    beliefs: Beliefs[ToyConfiguration] = Beliefs(CONFIG, TableEstimator({low: 0.5, aside: 1.0}))
+    fresh = beliefs.remaining(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    assert beliefs.obstructions([aside, low]) == frozenset()
+    for _ in range(2):
+        failure = Attempt[ToyConfiguration](
+            low, Failure.GOAL_IN_COLLISION, seconds={"motion": 1.0}, obstacles=("tall",)
+        )
+        beliefs.learn(tree, tree.record_step(ROOT, 0, failure))
+    assert beliefs.obstructions([aside, low]) == {Obstruction(low, "tall")}
+    without, around = beliefs.remaining(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    assert without > fresh[0]
+    assert around == pytest.approx(fresh[1])
+
+
 def test_failures_and_successes_take_their_own_time() -> None:
     search = Search()
     search.attempt(ROOT, 0, success=True, seconds=3.0)
@@ -129,7 +164,7 @@ def test_what_is_hoped_of_a_plan_knows_no_failures() -> None:
 def test_a_failure_at_an_obstacle_is_blamed_on_the_steps_that_put_things_there() -> None:
     """Both ways have failed as often; but nothing that was moved was in the way, so the first step is not repeated."""
     known, unknown = Search(), Search()
-    for search, obstacles in ((known, frozenset({"wall"})), (unknown, frozenset[str]())):
+    for search, obstacles in ((known, ("wall",)), (unknown, ())):
         search.attempt(ROOT, 0, success=True)
         for _ in range(9):
             search.attempt(1, 2, success=False, obstacles=obstacles)
@@ -148,7 +183,7 @@ def test_a_failure_makes_a_plan_look_further_away_and_a_success_nearer(
         assert search.remaining(ROOT, 0) <= before + 1e-9 if success else search.remaining(ROOT, 0) >= before - 1e-9
 
 
-@pytest.mark.parametrize("name", ["strength", "floor", "hope", "duration"])
+@pytest.mark.parametrize("name", ["strength", "floor", "hope", "duration", "patience"])
 def test_a_constant_of_zero_is_refused_by_name(name: str) -> None:
     with pytest.raises(IctampError, match=f"{name} of the beliefs is 0.0, but must be more than 0"):
         BeliefsConfig(**{name: 0.0})

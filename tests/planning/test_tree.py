@@ -75,6 +75,31 @@ def test_the_empty_plan_marks_the_goal_and_is_not_open(tree: Tree[ToyConfigurati
     assert tree.lineage(ROOT) == (ROOT,)
 
 
+def test_a_grafted_plan_goes_on_from_where_its_first_actions_led() -> None:
+    world = ToyWorld(size=(2, 1))
+    _, right_up_right, up_first = world.plans()
+    tree = Tree(world.start, abstraction(world.start))
+    right_twice = next(world.plans())
+    tree.record_opening(right_twice, 1)
+    tree.record_step(ROOT, 0, success(right_twice, (1, 0)))
+    tree.record_step(1, 1, success(right_twice.suffix(1), (2, 0)))
+    tree.record_opening(up_first, 1, graft=True)
+    assert [len(node.cnt) for node in tree.nodes] == [2, 1, 1]
+    tree.record_opening(right_up_right, 1, graft=True)
+    assert [len(node.cnt) for node in tree.nodes] == [3, 2, 1]
+    (grafted,) = tree.nodes[1].cnt.keys() - {1}
+    assert tree.plans[grafted] == right_up_right.suffix(1)
+    assert tree.holders[grafted] == [1]
+
+
+def test_a_finished_node_is_given_nothing_more(tree: Tree[ToyConfiguration]) -> None:
+    tree.record_opening(RIGHT_UP, 1)
+    tree.record_step(ROOT, 0, success(RIGHT_UP, (1, 0)))
+    tree.record_step(1, 1, success(RIGHT_UP.suffix(1), (1, 1)))
+    tree.record_opening(RIGHT_UP, 1, graft=True)
+    assert [len(node.cnt) for node in tree.nodes] == [1, 1, 1]
+
+
 def test_a_plan_from_elsewhere_is_refused(tree: Tree[ToyConfiguration]) -> None:
     with pytest.raises(ValueError, match="state of the root"):
         tree.record_opening(RIGHT_UP.suffix(1), 1)

@@ -27,6 +27,7 @@ records = st.builds(
     plan_length=st.none() | st.integers(0, 50),
     failures=counts,
     blocked=st.dictionaries(st.text(max_size=8), counts, max_size=3),
+    obstacles=st.dictionaries(st.text(max_size=8), counts, max_size=3),
     error=st.none() | st.text(),
     load=st.tuples(*[st.floats(0, 100)] * 3),
 )

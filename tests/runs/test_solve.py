@@ -84,6 +84,41 @@ def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
     assert not record.is_final
 
 
+PARKED = """\
+supports:
+  table: {kind: table, position: [0.3, 0.0, 0.0]}
+boxes:
+  low: {size: [0.05, 0.05, 0.05], position: [0.45, 0.0, 0.025]}
+  tall: {size: [0.05, 0.05, 0.2], position: [0.45, 0.054, 0.1]}
+  far: {size: [0.07, 0.07, 0.05], position: [0.45, -0.25, 0.025]}
+goal: (on low far)
+"""
+"""The hand does not fit between low and tall, of which the goal does not speak; and there is only one table."""
+
+
+def test_adaptive_allocation_moves_a_box_out_of_the_way_and_puts_it_down_again(tmp_path: Path) -> None:
+    (tmp_path / "parked.yaml").write_text(PARKED)
+    method = Method(planner="adaptive", time_limit=250)
+    solution = solve(prepare(tmp_path / "parked.yaml", method), method)
+    assert solution.result.actions is not None
+    assert solution.result.verified
+    assert list(map(str, solution.result.actions)) == [
+        "pick(tall, table)",
+        "place(tall, table)",
+        "pick(low, table)",
+        "place(low, far)",
+    ]
+
+
+def test_a_record_names_what_was_in_the_way(tmp_path: Path) -> None:
+    (tmp_path / "parked.yaml").write_text(PARKED)
+    method = Method(max_steps=10, time_limit=250)
+    solution = solve(prepare(tmp_path / "parked.yaml", method), method)
+    record = record_of("parked", "", None, 0, solution)
+    assert "tall" in record.obstacles["pick(low, table)"]
+    assert record.obstacles.keys() <= record.blocked.keys()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("level", "least"), [("extreme", 8), ("varied", 1)])
 def test_problems_of_our_own_levels_start_at_rest_and_have_plans(level: str, least: int) -> None:

@@ -42,7 +42,15 @@ def text(*records: Record) -> str:
     ],
 )
 def test_a_blocked_action_says_what_refused_it(action: str, refusals: dict[str, int], line: str) -> None:
-    assert blocker(action, refusals) == line
+    assert blocker(action, refusals, {}) == line
+
+
+def test_a_blocked_action_names_what_was_most_often_in_its_way() -> None:
+    line = blocker("pick(low, table)", {"GOAL_IN_COLLISION": 9}, {"far": 1, "tall": 5, "rack": 2, "table": 1})
+    assert (
+        line
+        == "pick(low, table): 9 of 9 grasps: grasp or placement in collision; in the way: tall (5), rack (2), far (1)"
+    )
 
 
 def test_figures_are_of_the_solved_problems() -> None:

@@ -194,7 +194,7 @@ def test_a_box_out_of_reach_is_refused_by_inverse_kinematics() -> None:
     assert len(attempt.rejections) == SkillsConfig().draws - 1
     assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
     assert set(attempt.rejections) == {Failure.NO_INVERSE_KINEMATICS}
-    assert attempt.obstacles == set()
+    assert attempt.obstacles == ()
     assert attempt.k is not None
 
 
@@ -202,7 +202,7 @@ def test_a_walled_in_box_is_refused_and_the_wall_named() -> None:
     attempt = refused(WALLED_IN, pick("yellow_box", "table"), UniformConfig())
     assert attempt.failure in (Failure.GOAL_IN_COLLISION, Failure.NO_PATH)
     assert any(wall in attempt.detail for wall in ("left", "right", "front", "back")), attempt.detail
-    assert {"left", "right", "front", "back"} & attempt.obstacles
+    assert {"left", "right", "front", "back"} & {*attempt.obstacles}
     assert {Failure.GOAL_IN_COLLISION} <= set(attempt.rejections)
 
 

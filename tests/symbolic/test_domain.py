@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action, Atom, State
-from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, IN_HAND, LYING, ON, held_box, supporters, tipped_boxes
+from ictamp_drake.core.types import Action, Atom, Obstruction, State
+from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, IN_HAND, LYING, MOVED, ON, held_box, supporters, tipped_boxes
 from ictamp_drake.symbolic.domain import Domain
 from tests.symbolic.towers import LEVELS, Problem, problems, state
 
@@ -53,6 +53,19 @@ def test_actions_are_strips_without_static_atoms_supports_first() -> None:
     assert len(domain.actions) == 2 * 4 * 5
     predicates = {atom.predicate for g in domain.actions for atom in g.preconditions | g.add | g.delete}
     assert predicates == {ON, IN_HAND, CLEAR, HAND_EMPTY}
+
+
+def test_an_action_waits_until_what_is_in_its_way_was_moved() -> None:
+    initial = state([("table", "cyan"), ("table", "red")])
+    pick_cyan, pick_red = Action("pick", ("cyan", "table")), Action("pick", ("red", "table"))
+    domain = Domain.create(BOXES, SUPPORTS, initial)
+    minding = domain.minding({Obstruction(pick_cyan, "red")})
+    assert minding.applicable(initial) == (pick_red,)
+    picked = minding.successor(initial, pick_red)
+    assert picked == domain.successor(initial, pick_red)
+    placed = minding.successor(picked, Action("place", ("red", "table")))
+    assert placed == initial | {Atom(MOVED, ("red",))}
+    assert pick_cyan in minding.applicable(placed)
 
 
 def test_an_action_that_does_not_apply_is_refused() -> None:

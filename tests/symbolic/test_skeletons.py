@@ -5,14 +5,17 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice, takewhile
 
 import pytest
 from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
-from ictamp_drake.core.types import Action, Skeleton, State
+from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
+from ictamp_drake.symbolic.atoms import ON, beneath, supporters
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
 from tests.symbolic.towers import LEVELS, Problem, problems, standing, state
 
@@ -179,6 +182,64 @@ def test_breadth_first_search_that_loses_patience_sorts_eight_boxes_in_the_fewes
     plan = generator.next_plan(20_000)
     assert plan is not None
     assert len(plan) == len(next(stream(create(BestFirst(weight=1), SORTING))))
+
+
+@each_config
+@given(data=st.data(), problem=problems(boxes=4))
+def test_plans_around_obstructions_move_them_first(config: Config, data: st.DataObject, problem: Problem) -> None:
+    actions = [ground.action for ground in problem.domain.actions]
+    things = [*problem.boxes, *problem.supports]
+    obstruction = st.builds(Obstruction, st.sampled_from(actions), st.sampled_from(things))
+    obstructions = data.draw(st.frozensets(obstruction, min_size=1, max_size=2))
+    plan = create(config, problem).next_plan(500, obstructions)
+    if plan is not None:
+        assert plan.states[0] == problem.initial
+        assert problem.goal <= plan.states[-1]
+        for before, action, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
+            assert problem.domain.successor(before, action) == after
+    for action, box in obstructions if plan is not None else ():
+        first = plan.actions.index(action) if action in plan.actions else len(plan)
+        lifted = any(name == "pick" and moved == box for name, (moved, _) in plan.actions[:first])
+        above = action.name == "pick" and box in beneath(action.args[0], supporters(problem.initial))
+        assert lifted or above or box in problem.supports
+
+
+PARKED = Problem(
+    ("low", "tall", "top"), ("table",), state([("table", "tall", "top"), ("table", "low")]), standing(("table", "low"))
+)
+PICK_LOW = Action("pick", ("low", "table"))
+
+
+@each_config
+def test_a_box_can_be_moved_on_what_it_stands_on(config: Config) -> None:
+    """No other stream has such plans, since the state is the same after it."""
+    goal = frozenset({Atom(ON, ("low", "top"))})
+    generator = create(config, replace(PARKED, goal=goal))
+    plan = generator.next_plan(1000, frozenset({Obstruction(PICK_LOW, "top")}))
+    assert plan is not None
+    assert list(map(str, plan.actions)) == [
+        "pick(top, tall)",
+        "place(top, table)",
+        "pick(low, table)",
+        "place(low, top)",
+    ]
+    plan = generator.next_plan(1000, frozenset({Obstruction(PICK_LOW, "tall")}))
+    assert plan is not None
+    moved = [moved for name, (moved, _) in plan.actions if name == "pick"]
+    assert moved == ["top", "tall", "low"]
+    assert len(plan) == 6
+
+
+@each_config
+def test_when_nothing_can_be_moved_first_any_plan_is_the_next(config: Config) -> None:
+    goal = frozenset({Atom(ON, ("low", "top"))})
+    plain, around = (create(config, replace(PARKED, goal=goal)) for _ in range(2))
+    first = plain.next_plan(1000)
+    assert around.next_plan(1000, frozenset({Obstruction(PICK_LOW, "table")})) == first
+    each_other = frozenset(Obstruction(Action("pick", pair), pair[0]) for pair in [("top", "tall"), ("low", "table")])
+    assert around.next_plan(1000, each_other) is None
+    assert around.next_plan(1000, each_other) == plain.next_plan(1000)
+    assert around.expanded > plain.expanded
 
 
 def test_no_patience_is_refused() -> None:
