@@ -11,6 +11,7 @@ from typing import Generic
 
 import numpy as np
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
@@ -24,24 +25,32 @@ class AdaptiveConfig:
 
     Attributes:
         beliefs: about success and computing time of steps.
+        opening: what opening a plan counts for besides its computing time, since it must be judged from then on [s].
     """
 
     beliefs: BeliefsConfig = BeliefsConfig()
+    opening: float = 0.1
+
+    def __post_init__(self) -> None:
+        if not self.opening >= 0:
+            raise IctampError(f"opening of adaptive allocation is {self.opening}, but must be 0 or more.")
 
     def create(self, estimator: Estimator[C]) -> "Adaptive[C]":
         """The rule for one search."""
-        return Adaptive(Beliefs(self.beliefs, estimator))
+        return Adaptive(self.opening, Beliefs(self.beliefs, estimator))
 
 
 class Adaptive(Generic[C]):
     """Runs what is believed to be finished first, and opens a plan when that is likely to save time.
 
-    A new plan is hoped to be as good as the latest one was before anything failed. How often that comes true is
-    learned: W, the worth of opening, is (1 + improvements) / (2 + openings) times the time that such a plan would save,
-    where an improvement is a plan that was better than all others when it came.
+    A new plan is hoped to be as good as the latest one was before anything failed. Whether that comes true is learned,
+    for each set of boxes that are to be moved first: W, the worth of opening, is 1 / (2 + openings in vain) of the time
+    that such a plan would save, where those in vain are the latest ones, none of which was better than all others when
+    it came.
     """
 
-    def __init__(self, beliefs: Beliefs[C]) -> None:
+    def __init__(self, opening: float, beliefs: Beliefs[C]) -> None:
+        self._opening = opening
         self._beliefs = beliefs
         self._seen = 0
         self._best = np.inf
@@ -72,15 +81,15 @@ class Adaptive(Generic[C]):
     def _opening_pays(self, tree: Tree[C]) -> bool:
         saved = self._best - self._beliefs.hoped(tree.plans[tree.opened[-1]])
         openings = self._openings[self._asked]
-        W = (1 + openings.improvements) / (2 + openings.count) * saved
-        return openings.mean < W
+        W = saved / (2 + openings.in_vain)
+        return openings.mean + self._opening < W
 
 
 @dataclass
 class _Openings:
     seconds: float = 0.0
     count: int = 0
-    improvements: int = 0
+    in_vain: int = 0
 
     @property
     def mean(self) -> float:
@@ -89,4 +98,4 @@ class _Openings:
     def add(self, seconds: float, *, improved: bool) -> None:
         self.seconds += seconds
         self.count += 1
-        self.improvements += improved
+        self.in_vain = 0 if improved else self.in_vain + 1

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
 from ictamp_drake.estimators.constant import ConstantConfig
@@ -84,6 +85,11 @@ def test_opening_stops_paying_when_new_plans_are_no_better_and_cost_time() -> No
     cheap = toy_planner(stuck, rule=RULE, steps=60, clock=TickingClock(1e-6), seconds=1e6).run()
     dear = toy_planner(stuck, rule=RULE, steps=60, clock=TickingClock(1.0), seconds=1e6).run()
     assert 1 <= dear.high_level_plans < cheap.high_level_plans
+
+
+def test_a_negative_cost_of_opening_is_refused() -> None:
+    with pytest.raises(IctampError, match=r"opening of adaptive allocation is -0\.1, but must be 0 or more"):
+        AdaptiveConfig(opening=-0.1)
 
 
 def test_nothing_is_opened_while_all_goes_well() -> None:
