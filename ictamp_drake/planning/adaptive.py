@@ -6,7 +6,7 @@ further away, until another node, an earlier action or another plan is nearer.
 """
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C, Obstruction
-from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
+from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig, Mean
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
 from ictamp_drake.planning.tree import Opening, Step, Tree
 
@@ -75,27 +75,21 @@ class Adaptive(Generic[C]):
         run = runs[remaining.index(best)]
         self._asked = self._beliefs.obstructions((*tree.way(run.node), *tree.plans[run.plan].actions))
         if not tree.exhausted and self._opening_pays(tree):
-            return OpenPlan(self._asked, graft=bool(self._asked))
+            return OpenPlan(self._asked)
         return run
 
     def _opening_pays(self, tree: Tree[C]) -> bool:
         saved = self._best - self._beliefs.hoped(tree.plans[tree.opened[-1]])
         openings = self._openings[self._asked]
         W = saved / (2 + openings.in_vain)
-        return openings.mean + self._opening < W
+        return openings.seconds.or_else(0.0) + self._opening < W
 
 
 @dataclass
 class _Openings:
-    seconds: float = 0.0
-    count: int = 0
+    seconds: Mean = field(default_factory=Mean)
     in_vain: int = 0
 
-    @property
-    def mean(self) -> float:
-        return self.seconds / self.count if self.count else 0.0
-
     def add(self, seconds: float, *, improved: bool) -> None:
-        self.seconds += seconds
-        self.count += 1
+        self.seconds.add(seconds)
         self.in_vain = 0 if improved else self.in_vain + 1

@@ -60,8 +60,8 @@ class Beliefs(Generic[C]):
         self._seen: set[tuple[int, Action]] = set()
         self._edges: defaultdict[_Edge, EdgeBelief] = defaultdict(lambda: EdgeBelief(config.strength))
         self._obstructions = Obstructions(config.patience)
-        self._usual: defaultdict[str | Action, _Mean] = defaultdict(_Mean)
-        self._seconds: defaultdict[tuple[str, bool], _Mean] = defaultdict(_Mean)
+        self._usual: defaultdict[str | Action, Mean] = defaultdict(Mean)
+        self._seconds: defaultdict[tuple[str, bool], Mean] = defaultdict(Mean)
 
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
         """Take in an attempt; a failed one counts as often as it tried a k.
@@ -87,11 +87,9 @@ class Beliefs(Generic[C]):
             lineage, plan = tree.lineage(run.node), tree.plans[run.plan]
             here = tree.way(run.node)
             way = here + plan.actions
-            first, *later = (
-                self._edge(state, action, way[:depth])
-                for depth, (state, action) in enumerate(zip(plan.states, plan.actions, strict=False), len(here))
-            )
-            rest = (ahead(lineage, way[:depth], edge) for depth, edge in enumerate(later, len(lineage)))
+            ways = [way[:depth] for depth in range(len(here), len(way))]
+            first, *later = map(self._edge, plan.states, plan.actions, ways)
+            rest = (ahead(lineage, before, edge) for before, edge in zip(ways[1:], later, strict=True))
             times.append(sum(rest, self._here(lineage, here, first, P)))
         return times
 
@@ -156,7 +154,9 @@ class _Edge(NamedTuple):
 
 
 @dataclass
-class _Mean:
+class Mean:
+    """Of values that come one by one."""
+
     total: float = 0.0
     count: int = 0
 

@@ -151,7 +151,7 @@ class Planner(Generic[C]):
             plan = self.generator.next_plan(self.config.max_expansions, option.obstructions)
         self.tree.exhausted = self.generator.exhausted
         expanded, seconds = self.generator.expanded - before, self.clock() - start
-        opening = self.tree.record_opening(plan, expanded, seconds, graft=option.graft)
+        opening = self.tree.record_opening(plan, expanded, seconds, graft=bool(option.obstructions))
         self._tell(PlanOpened(plan, opening.expanded, self.tree.exhausted))
         return self.tree.root
 

@@ -15,12 +15,11 @@ class OpenPlan:
     """Ask the plan generator for one more high-level plan.
 
     Attributes:
-        obstructions: what the plan is to get out of the way.
-        graft: go on with the plan from wherever its first actions have led already, not from the root alone.
+        obstructions: what the plan is to get out of the way. When there are any, the search goes on with the plan from
+            wherever its first actions have led already, and not from the root alone.
     """
 
     obstructions: frozenset[Obstruction] = frozenset()
-    graft: bool = False
 
 
 class RunStep(NamedTuple):

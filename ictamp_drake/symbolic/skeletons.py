@@ -36,9 +36,7 @@ class BreadthFirst:
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""
         distance, moves = BreadthFirstDistance(domain, initial, goal), MoveCount(domain, goal, weight=1.0)
-        return Detours(
-            domain, initial, goal, PlanStream(domain, initial, goal, Patience(distance, moves, self.patience))
-        )
+        return Detours(domain, initial, goal, Patience(distance, moves, self.patience))
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class BestFirst:
 
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""
-        return Detours(domain, initial, goal, PlanStream(domain, initial, goal, MoveCount(domain, goal, self.weight)))
+        return Detours(domain, initial, goal, MoveCount(domain, goal, self.weight))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,14 +155,13 @@ class Detours:
     it hinders. Nothing says that it will be out of the way then; that is the affair of the steps.
     """
 
-    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], plain: PlanStream) -> None:
+    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
         self._domain = domain
         self._initial = initial
         self._goal = goal
-        self._plain = plain
+        self._plain = PlanStream(domain, initial, goal, guide)
         self._around: dict[frozenset[Obstruction], PlanStream] = {}
         self._barren: set[frozenset[Obstruction]] = set()
-        self._supporters = supporters(initial)
 
     @property
     def exhausted(self) -> bool:
@@ -189,12 +186,13 @@ class Detours:
         plan = self._around[obstructions].next_plan(max_expansions)
         if plan is None:
             self._barren.add(obstructions)
-        return plan
+            return None
+        return Skeleton(tuple(map(_without_moved, plan.states)), plan.actions)
 
     def _can_be_moved_first(self, obstruction: Obstruction) -> bool:
         """No support can be moved, nor a box before what is on top of it is picked up."""
         (name, args), box = obstruction
-        return box in self._domain.boxes and not (name == "pick" and box in beneath(args[0], self._supporters))
+        return box in self._domain.boxes and not (name == "pick" and box in beneath(args[0], supporters(self._initial)))
 
     def _stream_around(self, obstructions: frozenset[Obstruction]) -> PlanStream:
         domain = self._domain.minding(obstructions)
@@ -204,5 +202,10 @@ class Detours:
 
 def _skeleton(path: _Path) -> Skeleton:
     paths = list(path)[::-1]
-    states = (frozenset(atom for atom in each.state if atom.predicate != MOVED) for each in paths)
-    return Skeleton(tuple(states), tuple(each.action for each in paths if each.action is not None))
+    return Skeleton(
+        tuple(each.state for each in paths), tuple(each.action for each in paths if each.action is not None)
+    )
+
+
+def _without_moved(state: State) -> State:
+    return frozenset(atom for atom in state if atom.predicate != MOVED)
