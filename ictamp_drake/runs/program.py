@@ -101,10 +101,11 @@ def _effort(seconds: float, planning: float, workers: int) -> str:
 
 def _print_where(console: Console, work: Work, folder: Path, records: Mapping[str, Record], complete: bool) -> None:
     lines = [f"\nRecords: {folder / RESULTS}"]
-    solved = [name for name, record in records.items() if record.solved]
-    if solved and work.conduct.artefacts == "all":
-        of = folder / (solved[0] if len(solved) == 1 else "*")
-        lines += [f"Replays: {of / 'replay.html'}", f"Searches: {of / 'search.html'}"]
+    if work.conduct.artefacts == "all":
+        solved = [name for name, record in records.items() if record.solved]
+        searched = [name for name, record in records.items() if not record.error]
+        for what, names, file in (("Replays", solved, "replay.html"), ("Searches", searched, "search.html")):
+            lines += [f"{what}: {folder / (names[0] if len(names) == 1 else '*') / file}"] if names else []
     if not complete:
         lines.append(f"Interrupted; the same command with --out {folder} goes on.")
     console.print("\n".join(lines), soft_wrap=True)

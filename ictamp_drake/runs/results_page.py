@@ -45,7 +45,7 @@ HEADROOM = (
 )
 
 SEARCH = (
-    "The tree of one search after each quarter of its log (paper, Figure 1). A disc is a node, in the colour of the "
+    "The tree of one search after each quarter of its plans and steps (paper, Figure 1). A disc is a node, in the colour of the "
     "plan that led to it; a cross is a failed step; what is new since the picture before is dark; green is the way to "
     "the goal. The same for any problem, to step through and with replays, is in the `search.html` that "
     "`ictamp_drake.experiments.packing` leaves."

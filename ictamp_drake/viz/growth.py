@@ -20,15 +20,17 @@ WIDTH = 13.0  # pictures that are wider together go to the next line [in]
 
 
 def draw_growth(tree: Record, path: Path, moments: int = 4) -> None:
-    """Write pictures of the tree after equal shares of the log, the last at its end, as SVG or PNG.
+    """Write pictures of the tree after equal shares of its plans and steps, the last at its end, as SVG or PNG.
 
     Args:
         tree: what `Tree.to_dict` returned, or the same read from a file.
         path: where to write.
-        moments: number of pictures; fewer when the log is shorter.
+        moments: number of pictures; fewer when there are fewer plans and steps.
     """
     layout, log = Layout(tree), tree["log"]
-    ends = [-1, *sorted({round(len(log) * share / moments) for share in range(1, moments + 1)})]
+    grown = [now for now, entry in enumerate(log, 1) if entry["event"] == "step" or entry["plan"] is not None]
+    parts = {round(len(grown) * share / moments) for share in range(1, moments)} - {0, len(grown)}
+    ends = [-1, *(grown[part - 1] for part in sorted(parts)), len(log)]
     width = max(layout.depth, 3) * COLUMN + 2 * MARGIN
     height = max(layout.levels) * ROW + 2 * MARGIN + HEADER
     columns = max(1, min(len(ends) - 1, int(WIDTH / width)))

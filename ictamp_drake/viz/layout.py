@@ -20,7 +20,7 @@ LABEL, LINE, FOUND, REFUSED = "#333333", "#8a8a8a", "#1a8f3c", "#c62828"
 CAUSE_COLORS: dict[Failure, Color] = dict(
     zip(Failure, mpl.colormaps["tab20"].colors[::2] + mpl.colormaps["Dark2"].colors, strict=False)  # type: ignore[attr-defined]
 )
-PLAN_COLORS: tuple[Color, ...] = mpl.colormaps["Pastel1"].colors[:8] + mpl.colormaps["Set3"].colors  # type: ignore[attr-defined]
+PLAN_COLORS: tuple[Color, ...] = mpl.colormaps["Set3"].colors  # type: ignore[attr-defined]
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,8 @@ class Layout:
         solution: numbers of the nodes on the way to the verified plan's end.
         labels: a short one for each action.
         plan_of: for each node but the root the opened plan that its branch began with.
-        plans: numbers of the opened plans, None among them when a call brought none.
+        plans: numbers of the opened plans.
+        expanded: for each opened plan, by its place in the log, the nodes expanded since the one before.
         levels: row of each node, then of each stub; an item's column is its depth.
         born: for each node how many entries of the log there are when it exists.
         depth: of the deepest item.
@@ -63,9 +64,8 @@ class Layout:
         self.solution = _ancestors(self.nodes, tree["solution"])
         self.labels = abbreviations({step["action"] for step in self.steps})
         self.plan_of = _opened_plans(self.steps)
-        self.plans: list[int | None] = list(
-            dict.fromkeys(entry["plan"] for entry in tree["log"] if entry["event"] == "opening")
-        )
+        self.expanded = _expansions(tree["log"])
+        self.plans: list[int] = list(dict.fromkeys(tree["log"][number]["plan"] for number in self.expanded))
         parents = [node["parent"] for node in self.nodes] + [stub.node for stub in self.stubs]
         self.levels = rows(parents, len(self.nodes), self.solution)
         self.born = [0] + [number for number, entry in enumerate(tree["log"], 1) if entry.get("child") is not None]
@@ -134,6 +134,18 @@ def _stubs(log: list[Record]) -> list[Stub]:
             stub = stubs.setdefault((node, action), Stub(node, action, Counter(), number))
             stub.causes[Failure[failure]] += 1
     return list(stubs.values())
+
+
+def _expansions(log: list[Record]) -> dict[int, int]:
+    """A plan may take several calls of the generator, all but the last of them without one."""
+    found: dict[int, int] = {}
+    total = 0
+    for number, entry in enumerate(log):
+        if entry["event"] == "opening":
+            total += entry["expanded"]
+            if entry["plan"] is not None:
+                found[number], total = total, 0
+    return found
 
 
 def _ancestors(nodes: list[Record], node: int | None) -> frozenset[int]:

@@ -74,7 +74,8 @@ def _layout(layout: Layout) -> Record:
         "labels": layout.labels,
         "solution": sorted(layout.solution),
         "colors": [to_hex(layout.color(layout.plan_of.get(node))) for node in nodes],
-        "plans": [{"plan": plan, "color": to_hex(layout.color(plan))} for plan in layout.plans if plan is not None],
+        "plans": [{"plan": plan, "color": to_hex(layout.color(plan))} for plan in layout.plans],
+        "expanded": layout.expanded,
         "depth": layout.depth,
     }
 

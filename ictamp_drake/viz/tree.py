@@ -97,12 +97,13 @@ class _Picture:
         tries = Counter(step["plan"] for step in self.layout.steps if step["node"] == 0)
         lines: list[tuple[bool, str, int]] = []
         steps = 0
-        for entry in self.tree["log"]:
+        for number, entry in enumerate(self.tree["log"]):
             if entry["event"] == "step":
                 steps += 1
-            elif (plan := entry["plan"]) is not None:
+            elif number in self.layout.expanded:
+                plan, expanded = entry["plan"], self.layout.expanded[number]
                 tried = f"tried {tries[plan]}×" if plan in tries else "never tried"
-                text = f"plan {plan}, after step {steps}: {entry['expanded']} expanded, {tried}"
+                text = f"plan {plan}, after step {steps}: {expanded} expanded, {tried}"
                 lines.append((plan not in tries, text, plan))
         lines.sort(key=lambda line: line[0])
         shown = [(text, self.layout.color(plan)) for _, text, plan in lines[:MAX_PLANS]]

@@ -90,6 +90,12 @@ class Chromium:
             f"  setTimeout(() => reject({json.dumps('never: ' + condition)}), 60000); look(); }})"
         )
 
+    def resize(self, width: int, height: int) -> None:
+        """Show pages as in a window of this size [pixels]."""
+        self._call(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
+        )
+
     def click(self, x: float, y: float) -> None:
         """Click with the left mouse button [pixels]."""
         for kind in ("mousePressed", "mouseReleased"):

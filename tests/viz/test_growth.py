@@ -22,6 +22,13 @@ def test_the_last_picture_holds_every_node_and_the_others_what_was_there(door: d
         assert shown.count(str(node["index"])) == sum(born <= end for end in (8, 16, 24))
 
 
+def test_calls_without_a_plan_have_no_picture(tmp_path: Path) -> None:
+    record = toy_planner(ToyWorld(size=(1, 1), expansions=90, max_plans=1), max_expansions=10).run().tree.to_dict()
+    draw_growth(record, tmp_path / "growth.svg", moments=3)
+    shown = [text for text in texts(tmp_path / "growth.svg") if "step" in text]
+    assert shown == ["0 steps, 1 plan", "1 step, 1 plan", "2 steps, 1 plan"]
+
+
 def test_only_the_last_picture_tells_the_way_to_the_goal(door: dict[str, Any], tmp_path: Path) -> None:
     draw_growth(door, tmp_path / "all.svg", moments=1)
     assert FOUND in (tmp_path / "all.svg").read_text()

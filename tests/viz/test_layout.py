@@ -1,13 +1,15 @@
 """A picture of a search is laid out without overlaps."""
 
+import math
 from collections import defaultdict
+from itertools import combinations
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.viz.layout import Layout, abbreviations, rows
+from ictamp_drake.viz.layout import PLAN_COLORS, Layout, abbreviations, rows
 
 
 @st.composite
@@ -56,6 +58,11 @@ def test_stubs_are_next_to_the_first_child() -> None:
 )
 def test_abbreviations_stay_distinct(actions: list[str], labels: list[str]) -> None:
     assert abbreviations(actions) == dict(zip(actions, labels, strict=True))
+
+
+def test_plans_can_be_told_apart_by_their_colours() -> None:
+    for one, other in combinations(PLAN_COLORS, 2):
+        assert math.dist(one, other) > 0.1
 
 
 def test_every_item_says_when_it_came(door: dict[str, Any]) -> None:

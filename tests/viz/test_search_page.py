@@ -60,8 +60,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def browser(chromium: str, page: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
     with Chromium(chromium, tmp_path_factory.mktemp("profile")) as browser:
-        browser.open(page.as_uri())
-        browser.wait_until("document.readyState === 'complete' && typeof player !== 'undefined'")
+        reopen(browser, page)
         yield browser
 
 
@@ -131,13 +130,32 @@ def assert_shown(browser: Chromium, c: Configuration) -> None:
         np.testing.assert_allclose([x, y, z], pose[4:], atol=1e-3)
 
 
-def test_the_whole_search_is_shown_first(browser: Chromium) -> None:
-    browser.run("leap(log.length)")
+def reopen(browser: Chromium, page: Path) -> None:
+    """As one who comes for the first time."""
+    browser.open(page.as_uri())
+    browser.wait_until("document.readyState === 'complete' && typeof player !== 'undefined'")
+
+
+def test_the_whole_search_is_shown_first(browser: Chromium, page: Path) -> None:
+    reopen(browser, page)
     assert visible(browser, "#tree .node") == 3
     assert visible(browser, "#tree .solution") == 3
     assert visible(browser, "#tree .stub") == 2
     assert text(browser, "counts") == "event 5 of 5 · 4 steps · 2 failed"
     assert_shown(browser, swing(1.0))
+
+
+@pytest.mark.parametrize("width", [450, 700, 1000])
+def test_the_end_is_in_sight_first_in_windows_of_any_width(browser: Chromium, page: Path, width: int) -> None:
+    browser.resize(width, 700)
+    reopen(browser, page)
+    pane, now = (
+        browser.run(f"(({{left, right}}) => [left, right])(document.querySelector('{of}').getBoundingClientRect())")
+        for of in ("#tree", "#tree .now .disc")
+    )
+    assert pane[0] <= now[0] < now[1] <= pane[1]
+    assert browser.run("document.documentElement.scrollWidth") == width
+    browser.resize(1000, 700)
 
 
 def test_stepping_tells_the_search_event_by_event(browser: Chromium) -> None:
@@ -159,7 +177,7 @@ def test_stepping_tells_the_search_event_by_event(browser: Chromium) -> None:
         (1, 2, 2, "Node 1: place(blue_box, rack) failed, object slipped"),
         (1, 2, 3, "Node 1: place(blue_box, rack) led to node 2; the plan is finished and verified"),
     ]
-    assert text(browser, "event").endswith("(plan 1; k = (0.010, -0.020, 0.030) m, 90°; 0.00 s of computing)")
+    assert text(browser, "event").endswith(" (k = (0.010, -0.020, 0.030) m, 90°; 0.00 s of computing)")
     button(browser, "previous")
     assert visible(browser, "#tree .node") == 2
     assert visible(browser, "#tree .solution") == 0
@@ -190,6 +208,15 @@ def test_the_search_plays_to_its_end(browser: Chromium) -> None:
     assert text(browser, "play") == "Play"
 
 
+def test_a_click_while_the_search_plays_stays_where_it_was(browser: Chromium) -> None:
+    browser.run("leap(3)")
+    button(browser, "play")
+    click(browser, disc(1))
+    assert text(browser, "play") == "Play"
+    browser.wait_until("!player.playing")
+    assert_shown(browser, swing(0.5))
+
+
 @pytest.mark.parametrize(("node", "c"), [(0, START), (1, swing(0.5)), (2, swing(1.0))])
 def test_a_click_on_a_node_replays_the_way_to_it(browser: Chromium, node: int, c: Configuration) -> None:
     browser.run("leap(log.length)")
@@ -217,7 +244,7 @@ def test_the_facts_of_a_node(browser: Chromium) -> None:
         "k = (0.010, -0.020, 0.030) m, 90° · 0.25 s of computing",
         "+ in-hand(blue_box)",
         "− on(blue_box, table)",
-        "plan 1, tried 2×: place(blue_box, rack)",
+        "tried 2×: place(blue_box, rack)",
         "1× place(blue_box, rack): object slipped",
     ]:
         assert line in facts

@@ -32,6 +32,15 @@ def test_the_same_record_gives_the_same_file(door: dict[str, Any], tmp_path: Pat
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
 
 
+def test_a_plan_takes_the_expansions_of_all_calls_since_the_one_before(tmp_path: Path) -> None:
+    world = ToyWorld(size=(1, 1), walls=((1, 0),), expansions=25)
+    record = toy_planner(world, max_expansions=10).run().tree.to_dict()
+    draw_tree(record, tmp_path / "tree.svg")
+    svg = (tmp_path / "tree.svg").read_text()
+    assert [entry["expanded"] for entry in record["log"] if entry["event"] == "opening"] == [10, 10, 5] * 2
+    assert svg.count(": 25 expanded") == 2
+
+
 @pytest.mark.parametrize("max_plans", [0, 1])
 def test_a_search_without_any_step_is_drawn_too(max_plans: int, tmp_path: Path) -> None:
     record = toy_planner(ToyWorld(max_plans=max_plans), steps=0).run().tree.to_dict()

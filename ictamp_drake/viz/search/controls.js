@@ -101,6 +101,12 @@ function leap(goal) {
   go_to(goal);
 }
 
+// Choose a step and stay with it.
+function visit(step) {
+  set_playing(false);
+  choose(step);
+}
+
 const toggle_motion = () => player.playing ? player.stop_at(player.time) : player.play(Number(by_id("speed").value));
 
 const controls = {
@@ -127,5 +133,5 @@ viewer.gui.domElement.style.display = "none";
 viewer.camera.zoom = ZOOM;
 new ResizeObserver(() => viewer.set_3d_pane_size()).observe(by_id("meshcat-pane"));
 addEventListener("resize", fit);
-go_to(log.length);
 fit();
+go_to(log.length);

@@ -67,8 +67,9 @@ function plan_lines({index, plans: numbers}) {
   return numbers.filter(plan => index > 0 || opened.has(plan)).map(plan => {
     const tries = entries.filter(entry => entry.node === index && entry.plan === plan).length;
     const actions = tree.plans[plan];
-    return actions.length ? [`plan ${plan}, tried ${tries}×: `, html("span", {class: "faint"}, actions.join(", "))]
-      : `plan ${plan}: nothing left to do`;
+    const name = index === 0 ? `plan ${plan}, ` : "";  // only opened plans have a number that is seen elsewhere
+    return actions.length ? [`${name}tried ${tries}×: `, html("span", {class: "faint"}, actions.join(", "))]
+      : "nothing left to do";
   });
 }
 

@@ -41,11 +41,12 @@ function about(step) {
 function sentence(index) {
   const entry = log[index];
   if (entry.event === "opening") {
-    const expanded = `${digits(entry.expanded)} expansions`;
-    return entry.plan === null ? [`No plan found in ${expanded}`, "failed"]
-      : [`Plan ${entry.plan} opened after ${expanded}: ${tree.plans[entry.plan].join(", ")}`, ""];
+    const expansions = `${digits(layout.expanded[index] ?? entry.expanded)} expansions`;
+    return entry.plan === null ? [`No plan found in ${expansions}`, "failed"]
+      : [`Plan ${entry.plan} opened after ${expansions}: ${tree.plans[entry.plan].join(", ")}`, ""];
   }
-  const tail = `(${[`plan ${entry.plan}`, ...about(index)].join("; ")})`;
+  const plan = entry.node === 0 ? [`plan ${entry.plan}`] : [];
+  const tail = `(${[...plan, ...about(index)].join("; ")})`;
   if (entry.failure) {
     return [`Node ${entry.node}: ${entry.action} failed, ${failures[entry.failure].sentence} ${tail}`, "failed"];
   }

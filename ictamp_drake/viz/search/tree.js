@@ -39,7 +39,7 @@ function draw_node(node) {
     svg("circle", {class: "disc", cx: x, cy: y, r: RADIUS, fill: layout.colors[index]}),
     svg("text", {class: "number", x, y}, `${index}`),
     svg("title", {}, action ? `node ${index}: ${action}` : "the start"));
-  group.addEventListener("click", () => choose(step_to[index]));
+  group.addEventListener("click", () => visit(step_to[index]));
   return group;
 }
 
@@ -52,7 +52,7 @@ function draw_stub({node, action}, number) {
     svg("path", {class: "cross", d: `M${x - 4} ${y - 4}l8 8m0 -8l-8 8`}),
     svg("text", {class: "tries", x: x + 9, y: y - 3}),
     svg("text", {x: x + 9, y: y + 10}, labels[action][1]), svg("title"));
-  group.addEventListener("click", () => choose(failed(node, action).at(-1)));
+  group.addEventListener("click", () => visit(failed(node, action).at(-1)));
   return group;
 }
 
