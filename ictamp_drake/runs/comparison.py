@@ -17,6 +17,9 @@ from ictamp_drake.learning.accuracy import LEVEL, RESAMPLES, Interval
 LEAST = 6
 """Problems that an interval needs: of five that all differ in one direction, 1 in 16 samples would by chance alone."""
 
+KNOWN = 0.75
+"""Share of the runs of which the machine's pace must be known, so that times at equal pace are of the same problems."""
+
 ALL = "all levels"
 PROBLEM = ["level", "problem"]
 """Columns that name a problem."""
@@ -34,10 +37,11 @@ class Comparison:
         only: how many of them only the strategy solved, and how many only the reference.
         p: probability of so uneven a split of these if both were equally good, see `even_split`.
         both: problems that both solved with the same seed.
-        time, steps, pace: median over these of the strategy's time, low-level steps and computing time for a second of
-            its plan as a multiple of the reference's, see `ratio`; None when there are no such problems. The last is
-            far from 1 when the machine was not equally fast for both.
-        paced: the same of the time divided by the pace, which leaves the machine out.
+        time, steps: median over these of the strategy's time and low-level steps as a multiple of the reference's, see
+            `ratio`; None when there are no such problems.
+        pace: the same of the computing time for a second of the plan, far from 1 when the machine was not equally fast
+            for both; None, too, when it is known of fewer than `KNOWN` of the runs.
+        paced: the same of the time divided by that, which leaves the machine out.
     """
 
     level: str
@@ -66,6 +70,7 @@ def compared(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparis
 def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) -> Comparison:
     pairs = pairs.assign(difference=pairs["solved"].astype(int) - pairs["solved_reference"].astype(int))
     both = pairs[pairs["solved"] & pairs["solved_reference"]]
+    paced = both[["pace", "pace_reference"]].notna().all(axis=1).mean() >= KNOWN
     return Comparison(
         level=level,
         strategy=strategy,
@@ -77,8 +82,8 @@ def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) 
         both=len(both[PROBLEM].drop_duplicates()),
         time=ratio(both, "seconds"),
         steps=ratio(both, "steps"),
-        pace=ratio(both, "pace"),
-        paced=ratio(both, "paced"),
+        pace=ratio(both, "pace") if paced else None,
+        paced=ratio(both, "paced") if paced else None,
     )
 
 

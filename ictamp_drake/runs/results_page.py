@@ -29,10 +29,10 @@ PAIRED = (
     f"as shown below {verdicts.SIGNIFICANT}. Ratios: the strategy's figure as a multiple of the reference's, median "
     "over the problems that both solved, with a bootstrap interval of 95 % from samples of problems; a difference "
     "counts as shown when 1 is not in it. Each interval stands for itself: where nothing differs, 1 in 20 would still "
-    "say so. Problems that one of both left unsolved are not in the ratios. `pace ratio`, where it is known: of the "
-    "computing time for a second of the found plan, 1 when the machine was as fast for both. `at equal pace`: of the "
-    "time divided by that, over the problems of which it is known; a difference in time counts as shown when it is in "
-    "this one, too."
+    "say so. Problems that one of both left unsolved are not in the ratios. `pace ratio`, where it is known of "
+    "three in four or more: of the computing time for a second of the found plan, 1 when the machine was as fast for "
+    "both. `at equal pace`: of the time divided by that; a difference in time counts as shown when it is in this one, "
+    "too."
 )
 
 HEADROOM = (
@@ -45,9 +45,9 @@ HEADROOM = (
 )
 
 SEARCH = (
-    "The tree of one search after each quarter of its plans and steps (paper, Figure 1). A disc is a node, in the colour of the "
-    "plan that led to it; a cross is a failed step; what is new since the picture before is dark; green is the way to "
-    "the goal. The same for any problem, to step through and with replays, is in the `search.html` that "
+    "The tree of one search after each quarter of its plans and steps (paper, Figure 1). A disc is a node, in the "
+    "colour of the plan that led to it; a cross is a failed step; what is new since the picture before is dark; green "
+    "is the way to the goal. The same for any problem, to step through and with replays, is in the `search.html` that "
     "`ictamp_drake.experiments.packing` leaves."
 )
 
@@ -68,7 +68,7 @@ SCENES = "A problem of each level, and one of each kind of interference (paper, 
 
 INTERFERENCE = (
     "Solved runs and their median time by what is done to the boxes outside the goal; a problem with several kinds is "
-    "in several rows."
+    "in several rows. Levels that do not name any are left out."
 )
 
 
@@ -80,7 +80,7 @@ class Chapter:
         regime: the runs.
         reference: strategy that all others are held against.
         comparisons: of all others, strategy by strategy and level by level.
-        p: of these, when all are looked at.
+        p: of these, when all with runs in common are looked at.
         pictures: where they are, seen from the page, by what they show.
     """
 
@@ -95,7 +95,9 @@ class Chapter:
         """Hold every strategy of the regime against one of them."""
         rivals = (name for name in regime.strategies if name != reference)
         comparisons = [each for name in rivals for each in compared(regime.runs, name, reference)]
-        return cls(regime, reference, comparisons, adjusted([each.p for each in comparisons]), pictures)
+        raised = iter(adjusted([each.p for each in comparisons if each.pairs]))
+        p = [next(raised) if each.pairs else each.p for each in comparisons]
+        return cls(regime, reference, comparisons, p, pictures)
 
     def picture(self, what: str) -> list[str]:
         """The lines that show it, none where it was not drawn."""

@@ -77,16 +77,16 @@ def failures(runs: pd.DataFrame) -> list[str]:
 def interference(runs: pd.DataFrame) -> list[str]:
     """Solved runs and their median time [s] by level and kind of interference; a column a strategy.
 
-    A problem with several kinds counts for each of them.
+    A problem with several kinds counts for each of them; a level of which no problem has one is left out.
     """
     strategies = list(runs["strategy"].cat.categories)
     rows = []
     for level, part in runs.groupby("level", observed=True):
-        for kind in (PLAIN, *INTERFERENCES):
+        for kind in (PLAIN, *INTERFERENCES) if any(part["interference"]) else ():
             of = part[[kind in (kinds or (PLAIN,)) for kinds in part["interference"]]]
             if len(of):
                 rows.append([level, kind, *(_solved(of[of["strategy"] == name]) for name in strategies)])
-    return table(["level", "interference", *strategies], rows, left=2)
+    return table(["level", "interference", *strategies], rows, left=2) if rows else []
 
 
 def _solved(runs: pd.DataFrame) -> str:

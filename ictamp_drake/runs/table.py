@@ -107,6 +107,10 @@ def unsolved(record: Record) -> Iterator[Text]:
         yield Text("  a plan was carried out to the goal, but not again when it was replayed as a whole")
     for action, refusals in list(record.blocked.items())[:BLOCKERS]:
         yield Text(f"  {blocker(action, refusals, record.obstacles.get(action, {}))}")
+    generating = record.seconds_by_stage.get("plan_generator", 0.0)
+    if generating > record.planning_time_s / 4:
+        took = f"{generating:.0f} of {record.planning_time_s:.0f} s went to finding high-level plans"
+        yield Text(f"  {took}; --generator best-first finds the first one sooner")
     if not record.high_level_plans:
         yield Text("  no high-level plan was found")
     elif not record.blocked:

@@ -71,12 +71,11 @@ class _Picture:
     def _draw_header(self, axes: Axes, title: str) -> None:
         summary = self.tree["summary"]
         outcome = "solved" if self.tree["solution"] is not None else "not solved"
-        text = (
-            f"{outcome}   plans opened: {summary['high_level_plans']}   steps: {summary['low_level_steps']}   "
-            f"failed: {summary['low_level_failures']}   nodes: {summary['nodes']}"
-        )
+        plans, steps = f"plans opened: {summary['high_level_plans']}", f"steps: {summary['low_level_steps']}"
+        failed, nodes = f"failed: {summary['low_level_failures']}", f"nodes: {summary['nodes']}"
+        text = " · ".join([*([title] if title else []), outcome, plans, steps, failed, nodes])
         top = HEADER + MARGIN - 0.2
-        axes.text(-SHELF, top, f"{title}   {text}".strip(), fontsize=9, va="center", weight="bold")
+        axes.text(-SHELF, top, text, fontsize=9, va="center", weight="bold")
         causes: Counter[Failure] = sum((stub.causes for stub in self.layout.stubs), Counter())
         entries = [(f"{cause} ({times})", CAUSE_COLORS[cause]) for cause, times in causes.most_common()]
         handles = [Line2D([], [], marker="x", ls="", ms=5, mew=1.4, color=color, label=text) for text, color in entries]

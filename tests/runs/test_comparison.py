@@ -107,6 +107,16 @@ def test_without_a_common_solved_problem_there_is_no_ratio() -> None:
     assert found.p == 1.0
 
 
+@pytest.mark.parametrize(("unknown", "told"), [(0, True), (3, True), (4, False)])
+def test_the_pace_is_told_where_it_is_known_of_most_runs(unknown: int, told: bool) -> None:
+    records = [run("a", number, plan_duration_s=10.0, replay_time_s=1.0) for number in range(12)]
+    records += [replace(record, strategy="b") for record in records]
+    records[:unknown] = [replace(record, plan_duration_s=None) for record in records[:unknown]]
+    found = only(compared(table(*records), "a", "b"))
+    assert found.both == 12
+    assert (found.pace is not None, found.paced is not None) == (told, told)
+
+
 def test_the_pace_is_that_of_the_machine_whatever_the_plans_take() -> None:
     slow = run("a", 0, 9.0, replay_time_s=6.0, plan_duration_s=30.0)
     fast = run("b", 0, 3.0, replay_time_s=6.0, plan_duration_s=60.0)

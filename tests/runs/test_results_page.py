@@ -46,6 +46,16 @@ def test_then_comes_what_is_shown(text: str) -> None:
     assert "`c` is the only strategy, so there is nothing to compare." in verdicts
 
 
+def test_strategies_without_a_run_in_common_are_no_further_tests() -> None:
+    lost = [run("b", number, solved=False) for number in range(9)]
+    won = [run("a", number) for number in range(9)]
+    alone, beside = (
+        Chapter.create(Regime("", table(*won, *lost, *more), {}, 60.0), "b", {}) for more in ([], [run("c", 20)])
+    )
+    assert beside.p[0] == alone.p[0] == alone.comparisons[0].p < 0.01
+    assert len(beside.p) == 2
+
+
 def test_it_says_how_unsolved_runs_count(text: str) -> None:
     assert "unsolved runs count with the limit of 60 s" in text
     assert "unsolved runs count with the time that they took, since no one limit is known" in text

@@ -57,3 +57,7 @@ def test_a_problem_with_two_kinds_of_interference_counts_for_both() -> None:
         ["hard", "behind", "-", "1 of 1, 9.0 s"],
         ["hard", "tipped", "-", "1 of 1, 9.0 s"],
     ]
+
+
+def test_a_level_that_names_no_interference_is_no_plain_one() -> None:
+    assert interference(table(run("a", 0), run("b", 0, level="varied"))) == []

@@ -99,6 +99,12 @@ def test_a_problem_without_a_plan_says_so() -> None:
     assert "no high-level plan was found" in text(record("a"))
 
 
+def test_a_search_that_went_into_plans_says_so() -> None:
+    slow = record("a", planning_time_s=42.8, seconds_by_stage={"plan_generator": 26.2}, high_level_plans=1)
+    assert "26 of 43 s went to finding high-level plans; --generator best-first" in text(slow)
+    assert "best-first" not in text(record("a", planning_time_s=42.8, seconds_by_stage={"plan_generator": 1.0}))
+
+
 def test_a_plan_that_did_not_pass_its_replay_is_mentioned() -> None:
     assert "not again when it was replayed as a whole" in text(record("a", verified=False))
 

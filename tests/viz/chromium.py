@@ -92,9 +92,7 @@ class Chromium:
 
     def resize(self, width: int, height: int) -> None:
         """Show pages as in a window of this size [pixels]."""
-        self._call(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
-        )
+        self._call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def click(self, x: float, y: float) -> None:
         """Click with the left mouse button [pixels]."""

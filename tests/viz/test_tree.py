@@ -17,7 +17,7 @@ def test_the_picture_holds_every_node_failure_and_plan(door: dict[str, Any], tmp
     steps, failed, nodes = (door["summary"][key] for key in ("low_level_steps", "low_level_failures", "nodes"))
     tries = door["nodes"][0]["cnt"][0]
     for text in [str(node["index"]) for node in door["nodes"]] + [
-        f"Door   solved   plans opened: 1   steps: {steps}   failed: {failed}   nodes: {nodes}",
+        f"Door · solved · plans opened: 1 · steps: {steps} · failed: {failed} · nodes: {nodes}",
         f"plan 0, after step 0: 10 expanded, tried {tries}×",
         f"grasp or placement in collision ({failed})",
     ]:
