@@ -11,8 +11,9 @@ class Abstraction:
     """H of one scene.
 
     on(a, b): b carries a, and a is upright. lying(a, b): b carries a, which is tipped over onto a side or its head.
-    in-hand(a): both fingers touch a and nothing carries it. clear(a): nothing touches a from above, and it is not in
-    the hand. hand-empty: nothing is in the hand. upright(a), tipped(a): which face of a is nearest to the ground.
+    in-hand(a): both fingers touch a, none cuts into it, and nothing carries it. clear(a): nothing touches a from above,
+    and it is not in the hand. hand-empty: nothing is in the hand. upright(a), tipped(a): which face of a is nearest to
+    the ground.
     """
 
     def __init__(self, world: World, config: PredicateConfig | None = None) -> None:

@@ -14,7 +14,7 @@ class PredicateConfig:
     """Tolerances of the predicates.
 
     Attributes:
-        contact: surfaces nearer than this touch [m].
+        contact: surfaces nearer than this touch [m]; a finger that is deeper in a box does not grip it.
         tilt: largest angle between an upright box's axis and the vertical [rad].
         slope: largest angle between a carrying contact's normal and the vertical [rad].
     """
@@ -66,6 +66,6 @@ class Scene:
         return Evaluation(holds, {**above.quantities, **tilt.quantities, "overhang": overhang})
 
     def gripped(self, a: str) -> Evaluation:
-        """Whether both fingers touch a."""
+        """Whether both fingers touch a, and none cuts into it."""
         distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in FINGERS}
-        return Evaluation(max(distances.values()) <= self.config.contact, distances)
+        return Evaluation(max(map(abs, distances.values())) <= self.config.contact, distances)

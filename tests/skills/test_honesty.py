@@ -5,8 +5,10 @@ from collections import defaultdict
 import numpy as np
 import pytest
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, Motion
-from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.world.simulate import Frame, PhysicsConfig
 from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, place, rig
@@ -99,6 +101,18 @@ def test_a_box_carried_round_a_curve_stays_in_place_at_a_fine_step() -> None:
     motion = setup.attempt(picked, place("blue_box", "table")).motion
     held = [frame for frame in executed(TOWER, picked, motion, 0.001) if frame.time <= motion[0].duration]
     assert slip(setup.world, held, "blue_box") < FINE_SLIP
+
+
+def test_a_finger_that_cuts_into_a_box_does_not_hold_it() -> None:
+    """At this k a vertical edge gets between two contact points of the box, and 5 mm deep into a finger's pad."""
+    setup = rig(load_scene(problem_files("varied")[1]), draws=1)
+    k = np.array([0.04685, 0.00228, -0.009814, 0.542513])
+    attempt = setup.attempt(setup.start, pick("box_2", "table"), k=k)
+    assert attempt.successor is not None
+    assert attempt.successor.held == "box_2"
+    depths = deepest(setup.world, [Frame(0.0, attempt.successor)])
+    assert max(depths[pair] for pair in depths if set(pair) & set(FINGERS)) > 4e-3
+    assert attempt.failure is Failure.SLIPPED
 
 
 def test_the_check_sees_a_hand_in_a_box() -> None:
