@@ -5,7 +5,7 @@ field at a time here, and the dataclass, its required fields and its defaults ar
 """
 
 import dataclasses
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import yaml
@@ -17,22 +17,35 @@ T = TypeVar("T")
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader, which by itself silently keeps the last of repeated keys."""
+    """PyYAML's safe loader, which by itself silently keeps the last of repeated keys and tells no place of a value."""
 
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
+        """A mapping as it is written, before merging (<<) adds to it."""
+        node: yaml.MappingNode = super().compose_mapping_node(anchor)
         seen = set()
-        for key, _ in node.value:
+        for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
             if key.value in seen:
-                raise IctampError(f"line {key.start_mark.line + 1}: '{key.value}' is used twice in one mapping")
+                raise IctampError(f"{_line(key)}: '{key.value}' is used twice in one mapping")
             seen.add(key.value)
-        return super().construct_mapping(node, deep)
+        return node
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (AttributeError, LookupError, ValueError) as error:
+            kind = node.tag.rpartition(":")[2]
+            raise IctampError(f"{_line(node)}: not valid YAML: '{node.value}' is no {kind}") from error
+
+
+def _line(node: yaml.Node) -> str:
+    return f"line {node.start_mark.line + 1}"
 
 
 def parse(text: str) -> object:
     """The document as plain mappings, lists and scalars.
 
     Raises:
-        IctampError: on a syntax error or on a key used twice, naming the line.
+        IctampError: on a syntax error, an impossible value or a key used twice, naming the line.
     """
     try:
         return yaml.load(text, Loader=_Loader)

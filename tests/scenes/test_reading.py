@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.scenes.reading import mapping, parse
 from ictamp_drake.scenes.spec import load_scene
 
 GOOD = """\
@@ -90,6 +91,13 @@ MISTAKES = {
     "name of the robot": ("  red_box:", "  panda:", "the name 'panda' is taken by the world or the robot"),
     "syntax": ("seed: 0", "seed: [0", "line 9: not valid YAML: "),
     "bad character": ("seed: 0", "seed: \x07", "not valid YAML: unacceptable character"),
+    "unrendered template": ("  red_box:", "  {{name}}:", "line 6: not valid YAML: found unhashable key"),
+    "list for a name": ("  red_box:", "  [1, 2]:", "line 6: not valid YAML: found unhashable key"),
+    "impossible date": ("seed: 0", "seed: 2020-99-99", "line 8: not valid YAML: '2020-99-99' is no timestamp"),
+    "text tagged as a number": ("seed: 0", "seed: !!int abc", "line 8: not valid YAML: 'abc' is no int"),
+    "text tagged as a float": ("mass: 0.1", "mass: !!float abc", "line 6: not valid YAML: 'abc' is no float"),
+    "text tagged as a truth": ("seed: 0", "seed: !!bool abc", "line 8: not valid YAML: 'abc' is no bool"),
+    "text tagged as a date": ("seed: 0", "seed: !!timestamp abc", "line 8: not valid YAML: 'abc' is no timestamp"),
     "unknown tag": ("seed: 0", "seed: !odd 0", "line 8: not valid YAML: could not determine a constructor"),
 }
 
@@ -110,6 +118,12 @@ def test_the_file_without_mistakes_is_read(tmp_path: Path) -> None:
     path = tmp_path / "scene.yaml"
     path.write_text(GOOD)
     assert load_scene(path).interference == ("stacked", "tipped")
+
+
+def test_what_was_merged_can_be_merged_again() -> None:
+    first, second = "first: &first {mass: 1, yaw: 1}", "second: &second {<<: *first, mass: 2}"
+    text = f"shared: {{{first}, {second}}}\nred_box: {{<<: *second, mass: 3}}"
+    assert mapping(parse(text), "")["red_box"] == {"mass": 3, "yaw": 1}
 
 
 def test_numbers_in_scientific_notation_are_numbers(tmp_path: Path) -> None:
