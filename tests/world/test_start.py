@@ -1,11 +1,13 @@
 """c_0 of a scene, and the sentences about scenes that cannot start."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.scenes.spec import BoxSpec
+from ictamp_drake.scenes.spec import BoxSpec, SupportSpec
 from ictamp_drake.world.abstraction import Abstraction
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
@@ -13,8 +15,9 @@ from ictamp_drake.world.world import World
 from tests.world.scenes import box, scene, standing
 
 
-def start(boxes: dict[str, BoxSpec]) -> Configuration:
+def start(boxes: dict[str, BoxSpec], **supports: SupportSpec) -> Configuration:
     spec = scene(boxes)
+    spec = replace(spec, supports={**spec.supports, **supports})
     world = World(spec)
     return start_configuration(world, Abstraction(world), PhysicsConfig().create(spec), "my.yaml")
 
@@ -41,6 +44,16 @@ def test_a_scene_at_rest_starts_where_it_is() -> None:
 def test_a_scene_that_cannot_start_is_refused_in_a_sentence(boxes: dict[str, BoxSpec], sentence: str) -> None:
     with pytest.raises(IctampError, match=f"my.yaml: .*{sentence}"):
         start(boxes)
+
+
+def test_a_support_that_the_arm_stands_in_is_refused() -> None:
+    wall = SupportSpec("table", (0.35, 0.0, 0.6), size=(0.1, 0.1, 0.5))
+    with pytest.raises(IctampError, match=r"my.yaml: (the arm|wall) and (the arm|wall) overlap by \d+ mm"):
+        start(standing("cyan_box"), wall=wall)
+
+
+def test_supports_may_stand_in_each_other() -> None:
+    start(standing("cyan_box"), wall=SupportSpec("table", (0.6, 0.4, 0.1), size=(0.1, 0.1, 0.2)))
 
 
 def test_a_tower_that_gravity_tears_down_is_refused() -> None:
