@@ -19,6 +19,7 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
+from ictamp_drake.planning.estimates import estimated
 from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
 from ictamp_drake.planning.tree import ROOT, Opening, Step, Tree
 
@@ -129,7 +130,7 @@ class Els(Generic[C]):
         """The parent is complete: the attempts at the next action are its children."""
         P = 1.0
         if self._config.weighted:
-            (P,) = self._estimator.estimate([(tree.nodes[run.node].c, tree.plans[run.plan])])
+            (P,) = estimated(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan])])
         level = self._level(parent.branch, parent.number) + self._effort(spent) + self._config.eps
         self._wait(_Branch(level, run, max(self._config.floor, P)))
 

@@ -3,8 +3,11 @@
 from collections.abc import Sequence
 from typing import Generic
 
+import numpy as np
+
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import C
+from ictamp_drake.core.types import C, Skeleton
 from ictamp_drake.planning.rule import RunStep
 from ictamp_drake.planning.tree import Tree
 
@@ -24,6 +27,21 @@ class Estimates(Generic[C]):
         """P of each step; the estimator is asked for all unknown ones together."""
         unknown = [run for run in runs if run not in self._known]
         if unknown:
-            values = self._estimator.estimate([(tree.nodes[run.node].c, tree.plans[run.plan]) for run in unknown])
-            self._known.update(zip(unknown, values.tolist(), strict=True))
+            values = estimated(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan]) for run in unknown])
+            self._known.update(zip(unknown, values, strict=True))
         return [self._known[run] for run in runs]
+
+
+def estimated(estimator: Estimator[C], options: Sequence[tuple[C, Skeleton]]) -> list[float]:
+    """P of each option as the estimator says it.
+
+    Raises:
+        IctampError: these are not as many probabilities as options.
+    """
+    values = np.asarray(estimator.estimate(options), dtype=np.float64)
+    name = type(estimator).__name__
+    if values.shape != (len(options),):
+        raise IctampError(f"P of {name} is of shape {values.shape}, but must be of {(len(options),)}, one an option.")
+    for P in values[~((values >= 0) & (values <= 1))]:
+        raise IctampError(f"P of {name} is {P}, but must be between 0 and 1.")
+    return values.tolist()
