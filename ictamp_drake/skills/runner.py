@@ -15,6 +15,7 @@ from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Para
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.scenes.checks import check_choice
 from ictamp_drake.skills.base import Skill, SkillConfig
 from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import PickConfig
@@ -59,10 +60,16 @@ class SkillsConfig:
         sampler: SamplerConfig,
         own: Mapping[str, SkillConfig] = MappingProxyType({}),
     ) -> "Skills":
-        """The skills in one scene; `own` ones, by the name of their action, take the place of these."""
+        """The skills in one scene; `own` ones, by the name of their action, take the place of these.
+
+        Raises:
+            IctampError: an own one is for no action.
+        """
+        configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
+        for name in own:
+            check_choice("the action of a skill of one's own", name, configs)
         planner = MotionPlanner(world, self.motion)
-        configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place, **own}
-        skills = {name: config.create(world, planner) for name, config in configs.items()}
+        skills = {name: config.create(world, planner) for name, config in {**configs, **own}.items()}
         return Skills(self.draws, abstraction, physics, sampler.create(world, planner.kinematics), skills)
 
 
@@ -123,7 +130,7 @@ class Skills:
         k = None
         for _ in range(self.draws):
             with stopwatch.stage("sampling"):
-                drawn = next(drawing, None)
+                drawn = next(drawing, None if refusals else Failure.NO_INVERSE_KINEMATICS)
             if drawn is None:
                 break
             if isinstance(drawn, Failure):

@@ -1,18 +1,22 @@
 """Pick and Place in physics: where they must succeed, why they refuse, and what an attempt records."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, Configuration, Motion
+from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter
 from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.base import TIP
 from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.runner import SamplerConfig, SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
@@ -222,6 +226,31 @@ def test_a_sampler_that_finds_nothing_says_why_and_is_not_asked_again(spec: Scen
     assert attempt.failure is cause
     assert attempt.k is None
     assert attempt.rejections == ()
+
+
+@dataclass(frozen=True)
+class Fruitless:
+    """A sampler that yields nothing, not even why, and its own configuration."""
+
+    def create(self, *_: object) -> "Fruitless":
+        return self
+
+    def draws(self, *_: object) -> Iterator[Parameter]:
+        return iter(())
+
+
+def test_a_sampler_that_yields_nothing_has_found_nothing() -> None:
+    attempt = refused(FAR, pick("yellow_box", "table"), Fruitless())
+    assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
+    assert attempt.detail == "the sampler found no parameter"
+    assert attempt.k is None
+    assert attempt.rejections == ()
+
+
+def test_a_skill_for_an_unknown_action_is_refused() -> None:
+    setup = rig(FAR)
+    with pytest.raises(IctampError, match="action of a skill of one's own is 'pikc', but must be one of: pick, place"):
+        SkillsConfig().create(setup.world, setup.abstraction, setup.physics, Fruitless(), {"pikc": PickConfig()})
 
 
 # execution that fails
