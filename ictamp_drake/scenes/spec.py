@@ -26,6 +26,9 @@ GRIPPER_WIDTH = 0.075
 SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
 """Default size (x, y, z) of each kind of support [m]."""
 
+SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
+"""Shortest side of each kind of support [m]; a rack's legs and stabilisers need room."""
+
 INTERFERENCES = ("stacked", "behind", "tipped")
 """Kinds of interference of boxes outside the goal (paper, Experiments)."""
 
@@ -71,7 +74,7 @@ class SupportSpec:
     def __post_init__(self) -> None:
         check_choice("kind", self.kind, SUPPORT_SIZES)
         object.__setattr__(self, "size", self.size or SUPPORT_SIZES[self.kind])
-        check_vector("size", self.size, 0.01, 5, " m")
+        check_vector("size", self.size, SUPPORT_SIDES[self.kind], 5, " m")
         check_vector("position", self.position, -10, 10, " m")
         check_range("yaw", self.yaw, -360, 360, " deg")
 

@@ -56,6 +56,11 @@ MISTAKES = {
     ),
     "huge size": ("[0.05, 0.05, 0.118]", "[0.05, 0.05, 118]", "each number must be between 0.008 and 1 m"),
     "flat table": ("[1.2, 0.9, 0.05]", "[1.2, 0.9, 0]", "supports.table.size is [1.2, 0.9, 0.0], but each number"),
+    "flat rack": (
+        "position: [0.44, -0.33, 0.16]",
+        "position: [0.44, -0.33, 0.02], size: [0.2, 0.2, 0.02]",
+        "supports.rack.size is [0.2, 0.2, 0.02], but each number must be between 0.03 and 5 m",
+    ),
     "negative mass": ("mass: 0.1", "mass: -0.1", "mass is -0.1 kg, but must be between 0.001 and 3 kg"),
     "huge mass": ("mass: 0.1", "mass: 100", "boxes.red_box.mass is 100 kg, but must be between 0.001 and 3 kg"),
     "no friction": ("friction: 0.6", "friction: 0", "friction is 0, but must be between 0.05 and 2"),

@@ -9,9 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.models import rack_sdf
 from ictamp_drake.scenes.reading import build, parse
 from ictamp_drake.scenes.spec import (
     INTERFERENCES,
+    SUPPORT_SIDES,
     SUPPORT_SIZES,
     ArmSpec,
     BoxSpec,
@@ -36,12 +38,14 @@ def _vectors(low: float, high: float) -> st.SearchStrategy[tuple[float, float, f
     return st.tuples(*3 * [st.floats(low, high)])
 
 
-supports = st.builds(
-    SupportSpec,
-    kind=st.sampled_from(sorted(SUPPORT_SIZES)),
-    position=_vectors(-10, 10),
-    yaw=st.floats(-360, 360),
-    size=st.just(()) | _vectors(0.01, 5),
+supports = st.sampled_from(sorted(SUPPORT_SIZES)).flatmap(
+    lambda kind: st.builds(
+        SupportSpec,
+        kind=st.just(kind),
+        position=_vectors(-10, 10),
+        yaw=st.floats(-360, 360),
+        size=st.just(()) | _vectors(SUPPORT_SIDES[kind], 5),
+    )
 )
 boxes = st.builds(
     BoxSpec,
@@ -110,6 +114,18 @@ def test_poses_are_quaternion_then_position() -> None:
 def test_the_poses_of_boxes_have_unit_quaternions(box: BoxSpec) -> None:
     assert box.X_WO.shape == (7,)
     assert np.linalg.norm(box.X_WO[:4]) == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_rack_may_be_as_thin_as_its_model_can_be(axis: int) -> None:
+    sides = [0.2, 0.2, 0.2]
+    sides[axis] = SUPPORT_SIDES["rack"]
+    rack_sdf("rack", SupportSpec("rack", (0.4, 0.0, 0.2), size=tuple(sides)).size)
+    sides[axis] -= 1e-6
+    with pytest.raises(IctampError, match="below the least one"):
+        rack_sdf("rack", tuple(sides))
+    with pytest.raises(IctampError, match=r"size is .*, but each number must be between 0\.03 and 5 m"):
+        SupportSpec("rack", (0.4, 0.0, 0.2), size=tuple(sides))
 
 
 @pytest.mark.parametrize(
