@@ -12,7 +12,9 @@ class MotionConfig:
     """How motions are planned.
 
     Attributes:
-        kinematics, trajectory, path: of the parts.
+        kinematics: constants of inverse kinematics.
+        trajectory: constants of trajectories.
+        path: constants of sampled paths.
         step: longest way of the hand between two collision checks [m].
         turn: largest turn of the hand and of each joint between two collision checks [rad].
         padding: distance from the scene that transfers keep, as far as their ends have it [m].

@@ -41,7 +41,7 @@ class TrajectoryConfig:
         order: of the splines; 5 has continuous jerk.
         control_points: of a spline between two points.
         straightness: cost of leaving the guess [s/rad^2]; larger keeps idle joints quieter.
-        max_duration: [s].
+        max_duration: greatest duration that the solver considers [s]; what it can't improve on may take longer.
         iterations: of the solver; what it has then is used.
     """
 

@@ -29,7 +29,8 @@ class BaseRates:
     """Share of successes in what P was trained on, by skill.
 
     Attributes:
-        pick, place: by default what the checkpoint of the estimator says about its test scenes.
+        pick: by default what the checkpoint of the estimator says about its test scenes.
+        place: the same of placements.
     """
 
     pick: float | None = None

@@ -28,7 +28,7 @@ class UniformConfig:
 
 
 class UniformSampler:
-    """Pick: anywhere in the box, any yaw. Place: anywhere on the top face, any yaw, a little above it."""
+    """Pick: anywhere in the box. Place: anywhere on the top face, a little above it. Both with any yaw of the range."""
 
     def __init__(self, world: World, config: UniformConfig) -> None:
         self._world = world

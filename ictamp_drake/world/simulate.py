@@ -26,12 +26,15 @@ class PhysicsConfig:
     Attributes:
         time_step: of the discrete plant [s].
         contact_approximation: of Drake's discrete contact solver.
-        arm_stiffness, arm_damping: of the joint controller [Nm/rad, Nm s/rad]; stiffer follows the motion closer.
-        finger_stiffness, finger_damping: [N/m, N s/m].
-        rest_speed, rest_turn: a box slower than this is at rest [m/s, rad/s].
+        arm_stiffness: of the controller of each joint [Nm/rad]; stiffer follows the motion closer.
+        arm_damping: of the controller of each joint [Nm s/rad].
+        finger_stiffness: of the controller of each finger [N/m].
+        finger_damping: of the controller of each finger [N s/m].
+        rest_speed: greatest speed of a box at rest [m/s].
+        rest_turn: greatest angular speed of a box at rest [rad/s].
         settle_time: longest wait for rest after a motion [s].
         settle_check: time between two looks at the speeds [s].
-        min_pad_force: least normal force of each finger on an object that counts as held [N].
+        min_pad_force: least force of each finger on an object that counts as held, normal and friction together [N].
         record_period: time between two frames of a recording [s].
     """
 

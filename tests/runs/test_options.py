@@ -1,6 +1,8 @@
 """The command line that is derived from the options."""
 
-from dataclasses import asdict
+import re
+from collections.abc import Iterator
+from dataclasses import asdict, fields, is_dataclass
 from pathlib import Path
 
 import pytest
@@ -45,6 +47,17 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
     assert method.estimators.constant.P == 0.5
     assert method.samplers.policy.candidates == 1
     assert method.estimators.q_value.draws == 8
+
+
+def _constants(config: object) -> Iterator[tuple[type, str]]:
+    for field in fields(config):  # type: ignore[arg-type]
+        value = getattr(config, field.name)
+        yield from _constants(value) if is_dataclass(value) else [(type(config), field.name)]
+
+
+@pytest.mark.parametrize(("config", "name"), list(_constants(Method())))
+def test_every_constant_has_a_line_of_help(config: type, name: str) -> None:
+    assert re.search(rf"^ +{name}: \S", config.__doc__ or "", re.MULTILINE), "what tyro reads is one attribute a line"
 
 
 def test_without_options_the_command_line_gives_the_defaults() -> None:
