@@ -1,10 +1,12 @@
 """All constants of motion planning."""
 
 from dataclasses import dataclass
+from math import inf
 
 from ictamp_drake.motion.inverse_kinematics import KinematicsConfig
-from ictamp_drake.motion.optimization import TrajectoryConfig
+from ictamp_drake.motion.optimization import LEAST_POINTS, TrajectoryConfig
 from ictamp_drake.motion.paths import PathConfig
+from ictamp_drake.scenes.checks import check_fields, check_range
 
 
 @dataclass(frozen=True)
@@ -44,3 +46,23 @@ class MotionConfig:
     push_radius: float = 0.1
     push_margin: float = 0.01
     push_samples: int = 40
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            "skills.motion",
+            step=(1e-4, 1),
+            turn=(1e-4, 1),
+            padding=(0, 1),
+            held_shrinkage=(0, 0.003),  # something is left of the smallest box
+            line_radius=(0, 1),
+            rise=(0, 10),
+            hand_width=(0, 1),
+            push_rounds=(0, 1e6),
+            push_radius=(0, 10),
+            push_margin=(0, 1),
+            push_samples=(3, 1e6),
+        )
+        for radius, points in self.corridors:
+            check_range("a radius of skills.motion.corridors", radius, 0, inf)
+            check_range("a number of points of skills.motion.corridors", points, LEAST_POINTS, 1000)

@@ -14,6 +14,7 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models import add_package
 from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, HOME
 from ictamp_drake.motion.postures import postures
+from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.world.build import PANDA_URL
 
 LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
@@ -52,6 +53,24 @@ class KinematicsConfig:
     line_tolerance: float = 1e-4
     line_joint_step: float = 0.3
     line_iterations: int = 8
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            "skills.motion.kinematics",
+            joint_margin=(0, 1),
+            last_step=(1e-3, 6),
+            travel_step=(1e-3, 6),
+            guess_weight=(0, 1e6),
+            comfort_weight=(0, 1e6),
+            attempts=(1, 1e6),
+            apart=(0, 6),
+            line_step=(1e-4, 1),
+            line_radius=(0, 10),
+            line_tolerance=(1e-9, 0.1),
+            line_joint_step=(1e-3, 6),
+            line_iterations=(1, 1e4),
+        )
 
 
 class ArmKinematics:

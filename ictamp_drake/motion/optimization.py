@@ -12,6 +12,10 @@ from scipy.interpolate import BSpline
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.motion.trajectory import Trajectory
+from ictamp_drake.scenes.checks import check_fields
+
+LEAST_POINTS = 7
+"""Control points that a spline has at least: three at each end do not move."""
 
 _MIN_DURATION = 1e-3
 
@@ -54,6 +58,20 @@ class TrajectoryConfig:
     max_duration: float = 60.0
     iterations: int = 40
 
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            "skills.motion.trajectory",
+            velocity=(1e-3, 1),
+            acceleration=(1e-3, 1),
+            jerk=(1e-3, 1),
+            order=(4, LEAST_POINTS),
+            control_points=(LEAST_POINTS, 1000),
+            straightness=(0, 1e6),
+            max_duration=(_MIN_DURATION, 1e6),
+            iterations=(0, 1e6),
+        )
+
 
 class TrajectoryOptimizer:
     """Fastest splines within the joints' limits. Keeps one program for each number of control points."""
@@ -77,7 +95,7 @@ class TrajectoryOptimizer:
         Args:
             path: joint positions joined by straight lines, shape (m, 7) [rad].
             radius: how far each coordinate of a control point may leave the path [rad].
-            control_points: of the spline, at least 7; more of them follow a crooked path closer.
+            control_points: of the spline, at least `LEAST_POINTS`; more of them follow a crooked path closer.
         """
         return self._program(control_points).solve(_spread(path, _profile(control_points)), radius)
 

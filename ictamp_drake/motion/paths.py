@@ -8,6 +8,7 @@ from ompl import base, geometric, util
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
+from ictamp_drake.scenes.checks import check_fields
 
 util.setLogLevel(util.LOG_NONE)
 
@@ -29,6 +30,17 @@ class PathConfig:
     step: float = 0.05
     max_checks: int = 4000
     shortcuts: int = 30
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            "skills.motion.path",
+            margin=(1e-3, 10),
+            edge=(1e-3, 10),
+            step=(1e-3, min(self.margin, 1)),  # OMPL wants it shorter than the diagonal of the range
+            max_checks=(0, 1e9),
+            shortcuts=(0, 1e6),
+        )
 
 
 def find_path(

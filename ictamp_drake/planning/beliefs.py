@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import isinf
 from typing import Generic, NamedTuple
 
 from ictamp_drake.core.errors import IctampError
@@ -42,8 +43,14 @@ class BeliefsConfig:
         for name in ("strength", "floor", "hope", "duration", "patience"):
             if not getattr(self, name) > 0:
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
+        for name in ("floor", "hope"):
+            if getattr(self, name) > 1:
+                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be at most 1.")
         if not self.step >= 0:
             raise IctampError(f"step of the beliefs is {self.step}, but must be 0 or more.")
+        for name in ("strength", "duration", "step"):
+            if isinf(getattr(self, name)):
+                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be finite.")
 
 
 class Beliefs(Generic[C]):

@@ -54,6 +54,8 @@ class ElsConfig:
         for name in ("w0", "c0", "floor"):
             if not getattr(self, name) > 0:
                 raise IctampError(f"{name} of els is {getattr(self, name)}, but must be more than 0.")
+        if self.floor > 1:
+            raise IctampError(f"floor of els is {self.floor}, but must be at most 1.")
 
     def create(self, estimator: Estimator[C]) -> "Els[C]":
         """The rule for one search."""

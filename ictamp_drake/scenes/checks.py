@@ -2,11 +2,13 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from typing import Literal
 
 from ictamp_drake.core.errors import IctampError
 
 _MODEL_NAMES = ("world", "panda", "WorldModelInstance", "DefaultModelInstance")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_WORDS = {2: "two", 3: "three", 7: "seven"}
 _PDDL_WORDS = frozenset({"and", "or", "not", "imply", "when", "forall", "exists", "either", "object", "define"})
 
 
@@ -16,10 +18,25 @@ def check_range(field: str, value: float, low: float, high: float, unit: str = "
         raise IctampError(f"{field} is {value:g}{unit}, but must be between {low:g} and {high:g}{unit}")
 
 
-def check_vector(field: str, values: Sequence[float], low: float, high: float, unit: str = "") -> None:
-    """Raise IctampError unless `values` are three numbers, each between `low` and `high`."""
-    if len(values) != 3:
-        raise IctampError(f"{field} is {list(values)}, but must be three numbers")
+def check_fields(config: object, where: str, **ranges: tuple[float, float]) -> None:
+    """Raise IctampError unless fields of a dataclass are in their ranges; `where` leads to it on the command line."""
+    for name, (low, high) in ranges.items():
+        check_range(f"{where}.{name.replace('_', '-')}", getattr(config, name), low, high)
+
+
+def check_interval(field: str, ends: Sequence[float], low: float, high: float) -> None:
+    """Raise IctampError unless `ends` are two numbers between `low` and `high`, in their order."""
+    check_vector(field, ends, low, high, count=2)
+    if ends[0] > ends[1]:
+        raise IctampError(f"{field} is {list(ends)}, but the least must not exceed the greatest")
+
+
+def check_vector(
+    field: str, values: Sequence[float], low: float, high: float, unit: str = "", *, count: Literal[2, 3, 7] = 3
+) -> None:
+    """Raise IctampError unless `values` are so many numbers, each between `low` and `high`."""
+    if len(values) != count:
+        raise IctampError(f"{field} is {list(values)}, but must be {_WORDS[count]} numbers")
     if not all(low <= value <= high for value in values):
         raise IctampError(f"{field} is {list(values)}, but each number must be between {low:g} and {high:g}{unit}")
 

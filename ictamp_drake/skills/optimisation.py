@@ -14,7 +14,9 @@ from pydrake.solvers import SnoptSolver
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.scenes.checks import check_fields, check_interval, check_vector
 from ictamp_drake.skills.base import TIP
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
@@ -66,6 +68,26 @@ class OptimisationConfig:
     centring: float = 1000.0
     comfort: float = 0.1
     spread: float = 0.3
+
+    def __post_init__(self) -> None:
+        for name in ("depth", "height", "reach"):
+            check_interval(f"samplers.optimisation.{name}", getattr(self, name), 0, 10)
+        check_vector("samplers.optimisation.grip-offset", self.grip_offset, 0, 1, count=2)
+        check_fields(
+            self,
+            "samplers.optimisation",
+            restarts=(1, 1e6),
+            max_width=(1e-3, GRIPPER_MAX_WIDTH),
+            ground=(0, 1),
+            turn=(0, 3),
+            overhang=(0, 1),
+            clearance=(0, 1),
+            spots=(1, 1e6),
+            room=(0, 10),
+            centring=(0, 1e9),
+            comfort=(0, 1e9),
+            spread=(0, 10),
+        )
 
     def create(self, world: World, arm: ArmKinematics) -> "OptimisationSampler":
         """The sampler for one scene."""

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
+from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, raised
 from ictamp_drake.world.world import World
@@ -24,6 +26,9 @@ class PickConfig:
     force: float = 30.0
     margin: float = 0.015
     lift: float = 0.04
+
+    def __post_init__(self) -> None:
+        check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), margin=(0, 1), lift=(1e-3, 1))
 
     def create(self, world: World, planner: MotionPlanner) -> "Pick":
         """The skill in one scene."""

@@ -7,6 +7,7 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
 from ictamp_drake.skills.geometry import held_bottom, placement_pose, raised
 from ictamp_drake.world.poses import to_pose, to_transform
@@ -24,6 +25,9 @@ class PlaceConfig:
 
     drop: float = 0.04
     margin: float = 0.015
+
+    def __post_init__(self) -> None:
+        check_fields(self, "skills.place", drop=(0, 1), margin=(0, 1))
 
     def create(self, world: World, planner: MotionPlanner) -> "Place":
         """The skill in one scene."""

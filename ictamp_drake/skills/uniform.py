@@ -7,6 +7,7 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.scenes.checks import check_fields, check_interval
 from ictamp_drake.world.world import World
 
 
@@ -21,6 +22,10 @@ class UniformConfig:
 
     yaw: tuple[float, float] = (-np.pi / 4, 3 * np.pi / 4)
     max_height: float = 0.01
+
+    def __post_init__(self) -> None:
+        check_interval("samplers.uniform.yaw", self.yaw, -10, 10)
+        check_fields(self, "samplers.uniform", max_height=(0, 1))
 
     def create(self, world: World, arm: ArmKinematics) -> "UniformSampler":  # noqa: ARG002  (the same for all samplers)
         """The sampler for one scene."""

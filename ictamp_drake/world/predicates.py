@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ictamp_drake.core.types import Configuration
+from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.world.world import FINGERS, Touch, World
 
 
@@ -22,6 +23,9 @@ class PredicateConfig:
     contact: float = 0.0015
     tilt: float = 0.15
     slope: float = 0.3
+
+    def __post_init__(self) -> None:
+        check_fields(self, "predicates", contact=(1e-4, 0.02), tilt=(1e-3, 1), slope=(1e-3, 1.5))
 
 
 @dataclass(frozen=True)

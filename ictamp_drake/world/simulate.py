@@ -13,6 +13,7 @@ from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from ictamp_drake.core.types import Configuration, Segment
+from ictamp_drake.scenes.checks import check_fields, check_vector
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.build import add_scene, filter_flat_contacts
 from ictamp_drake.world.commands import desired_positions, feedforward
@@ -50,6 +51,23 @@ class PhysicsConfig:
     settle_check: float = 0.05
     min_pad_force: float = 1.0
     record_period: float = 1 / 30
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            "physics",
+            time_step=(1e-5, 0.1),
+            finger_stiffness=(1e-3, 1e9),
+            finger_damping=(0, 1e9),
+            rest_speed=(1e-6, 10),
+            rest_turn=(1e-6, 100),
+            settle_time=(1e-3, 1e3),
+            settle_check=(1e-3, 10),
+            min_pad_force=(1e-3, 1e3),
+            record_period=(1e-3, 1e3),
+        )
+        check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=7)
+        check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=7)
 
     def create(self, spec: SceneSpec) -> "Physics":
         """A simulator of the scene."""

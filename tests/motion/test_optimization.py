@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS, HOME
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
@@ -53,6 +54,22 @@ def test_slower_configuration_takes_longer() -> None:
     trajectory = TrajectoryOptimizer(slow).free(HOME, HOME + STEPS[2])
     check_limits(trajectory, slow)
     assert trajectory.duration > 2 * OPTIMIZER.free(HOME, HOME + STEPS[2]).duration
+
+
+@pytest.mark.parametrize("part", ["velocity", "acceleration", "jerk"])
+@pytest.mark.parametrize("value", [0.0, 2.0])
+def test_parts_of_the_limits_are_more_than_nothing_and_at_most_all(part: str, value: float) -> None:
+    with pytest.raises(IctampError, match=rf"trajectory\.{part} is {value:g}, but must be between 0\.001 and 1"):
+        TrajectoryConfig(**{part: value})
+
+
+def test_splines_of_every_order_that_is_allowed_obey_the_limits() -> None:
+    for order, points in ((4, 7), (7, 7), (4, 20), (7, 20)):
+        config = TrajectoryConfig(order=order, control_points=points, velocity=1.0)
+        check_limits(TrajectoryOptimizer(config).free(HOME, HOME + STEPS[2]), config)
+    for order in (0, 3, 8):
+        with pytest.raises(IctampError, match=f"order is {order}, but must be between 4 and 7"):
+            TrajectoryConfig(order=order)
 
 
 def test_nowhere_to_go_takes_almost_no_time() -> None:

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.paths import PathConfig, find_path
 
@@ -45,6 +46,14 @@ def test_same_seed_gives_the_same_path_whatever_came_before() -> None:
 def test_no_path_within_the_checks_is_none() -> None:
     assert find(max_checks=10) is None
     assert find(margin=0.2) is None  # the way round is farther out than that
+
+
+def test_checks_may_be_as_far_apart_as_the_margin_is_wide_and_no_further() -> None:
+    near = PathConfig(margin=0.03, step=0.03)
+    for end in (START, START + 1e-6):
+        find_path(START, end, lambda _: True, limits=LIMITS, rng=np.random.default_rng(0), config=near)
+    with pytest.raises(IctampError, match=r"skills\.motion\.path\.step is 0\.05, but must be between 0\.001 and 0\.03"):
+        PathConfig(margin=0.03)
 
 
 def test_straight_way_is_taken_when_it_is_free() -> None:

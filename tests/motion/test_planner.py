@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import HOME
@@ -118,6 +119,18 @@ def test_transfer_finds_a_way_by_sampling(world: World, down, overlaps, rounds: 
     q0, q1 = posture(planner, down(0.5, -0.1, 0.08)), posture(planner, down(0.5, 0.3, 0.09))
     planned = planner.transfer(q0, q1, rng())
     assert check_free(world, planner, world.initial_configuration(), planned, overlaps).stage in {"sampled", "pushed"}
+
+
+@pytest.mark.parametrize(
+    ("corridor", "sentence"),
+    [
+        ((0.1, 6), "a number of points of skills.motion.corridors is 6, but must be between 7 and 1000"),
+        ((-0.1, 7), "a radius of skills.motion.corridors is -0.1, but must be between 0 and inf"),
+    ],
+)
+def test_impossible_corridors_are_refused(corridor: tuple[float, int], sentence: str) -> None:
+    with pytest.raises(IctampError, match=sentence):
+        MotionConfig(corridors=(corridor,))
 
 
 def test_held_box_makes_the_transfer_rise(world: World, planner: MotionPlanner, down, holding, overlaps) -> None:

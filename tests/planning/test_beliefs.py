@@ -189,6 +189,18 @@ def test_a_constant_of_zero_is_refused_by_name(name: str) -> None:
         BeliefsConfig(**{name: 0.0})
 
 
+@pytest.mark.parametrize("name", ["floor", "hope"])
+def test_what_is_no_probability_is_refused_by_name(name: str) -> None:
+    with pytest.raises(IctampError, match=f"{name} of the beliefs is 5.0, but must be at most 1"):
+        BeliefsConfig(**{name: 5.0})
+
+
+@pytest.mark.parametrize("name", ["strength", "duration", "step"])
+def test_an_infinite_constant_is_refused_by_name(name: str) -> None:
+    with pytest.raises(IctampError, match=f"{name} of the beliefs is inf, but must be finite"):
+        BeliefsConfig(**{name: float("inf")})
+
+
 def test_a_constant_below_zero_is_refused_by_name() -> None:
     with pytest.raises(IctampError, match=r"step of the beliefs is -0\.1, but must be 0 or more"):
         BeliefsConfig(step=-0.1)

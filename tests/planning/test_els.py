@@ -90,6 +90,11 @@ def test_a_negative_constant_is_refused_by_name(name: str, value: float) -> None
         ElsConfig(**{name: value})  # type: ignore[arg-type]
 
 
+def test_a_floor_that_is_no_probability_is_refused() -> None:
+    with pytest.raises(IctampError, match=r"floor of els is 2\.0, but must be at most 1"):
+        ElsConfig(floor=2.0)
+
+
 @pytest.mark.parametrize("name", ["w0", "c0", "floor"])
 def test_a_scale_of_zero_is_refused_by_name(name: str) -> None:
     with pytest.raises(IctampError, match=rf"{name} of els is 0.0, but must be more than 0"):

@@ -1,9 +1,11 @@
 """The command line that is derived from the options."""
 
+import math
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import tyro
@@ -49,15 +51,33 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
     assert method.estimators.q_value.draws == 8
 
 
-def _constants(config: object) -> Iterator[tuple[type, str]]:
-    for field in fields(config):  # type: ignore[arg-type]
-        value = getattr(config, field.name)
-        yield from _constants(value) if is_dataclass(value) else [(type(config), field.name)]
+def _constants(config: Any, where: str = "") -> Iterator[tuple[str, Any, str]]:
+    """Each option with the dataclass and the field that it sets."""
+    for field in fields(config):
+        value, option = getattr(config, field.name), where + field.name.replace("_", "-")
+        yield from _constants(value, f"{option}.") if is_dataclass(value) else [(option, config, field.name)]
 
 
-@pytest.mark.parametrize(("config", "name"), list(_constants(Method())))
-def test_every_constant_has_a_line_of_help(config: type, name: str) -> None:
-    assert re.search(rf"^ +{name}: \S", config.__doc__ or "", re.MULTILINE), "what tyro reads is one attribute a line"
+CONSTANTS = {option: (config, name) for option, config, name in _constants(Method())}
+CHECKED = ("skills.pick", "skills.place", "skills.motion", "physics", "predicates", "samplers")
+
+
+@pytest.mark.parametrize("option", CONSTANTS)
+def test_every_constant_has_a_line_of_help(option: str) -> None:
+    config, name = CONSTANTS[option]
+    assert re.search(rf"^ +{name}: \S", config.__doc__, re.MULTILINE), "what tyro reads is one attribute a line"
+
+
+@pytest.mark.parametrize("option", [option for option in CONSTANTS if option.startswith(CHECKED)])
+def test_constants_that_are_no_number_are_refused_by_the_name_of_their_option(option: str) -> None:
+    config, name = CONSTANTS[option]
+    value = getattr(config, name)
+    if isinstance(value, float):
+        with pytest.raises(IctampError, match=f"^{re.escape(option)} is nan, but must be between"):
+            replace(config, **{name: math.nan})
+    if isinstance(value, tuple) and isinstance(value[0], float):
+        with pytest.raises(IctampError, match=rf"^{re.escape(option)} is \[nan, .*but each number must be between"):
+            replace(config, **{name: (math.nan, *value[1:])})
 
 
 def test_without_options_the_command_line_gives_the_defaults() -> None:

@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration, FloatArray
@@ -25,6 +26,15 @@ from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, holding, po
 SAMPLERS: dict[str, SamplerConfig] = {"uniform": UniformConfig(), "optimisation": OptimisationConfig()}
 CONFIG = OptimisationConfig()
 FAR = SupportSpec("table", (5.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("config", "name"),
+    [(UniformConfig(), "yaw"), (CONFIG, "depth"), (CONFIG, "height"), (CONFIG, "reach")],
+)
+def test_a_range_that_ends_before_it_begins_is_refused(config: SamplerConfig, name: str) -> None:
+    with pytest.raises(IctampError, match=rf"{name} is \[2\.0, 1\.0\], but the least must not exceed the greatest"):
+        dataclasses.replace(config, **{name: (2.0, 1.0)})
 
 
 @pytest.fixture(scope="module")

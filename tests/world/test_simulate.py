@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
 from ictamp_drake.models.constants import ARM_LIMITS, HOME, MAX_GRIP_FORCE
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
@@ -50,6 +51,31 @@ def world() -> World:
 @pytest.fixture(scope="module")
 def physics() -> Physics:
     return PhysicsConfig().create(pedestal())
+
+
+# constants
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("time_step", 0.0, r"physics\.time-step is 0, but must be between 1e-05 and 0\.1"),
+        ("settle_check", 0.0, r"physics\.settle-check is 0, but"),  # would wait for ever
+        ("min_pad_force", 0.0, r"physics\.min-pad-force is 0, but"),  # all that is there would be held
+        ("arm_stiffness", (100.0, 200.0), r"physics\.arm-stiffness is \[100\.0, 200\.0\], but must be seven numbers"),
+        ("arm_damping", (-1.0,) * 7, r"physics\.arm-damping is .*, but each number must be between 0 and 1e\+09"),
+    ],
+)
+def test_physics_that_makes_no_sense_is_refused(name: str, value: object, sentence: str) -> None:
+    with pytest.raises(IctampError, match=sentence):
+        PhysicsConfig(**{name: value})
+
+
+def test_the_softest_and_the_stiffest_arm_can_be_built() -> None:
+    for stiffness, damping, step in ((1e-3, 0.0, 1e-5), (1e9, 1e9, 0.1)):
+        PhysicsConfig(
+            step, "sap", (stiffness,) * 7, (damping,) * 7, finger_stiffness=stiffness, finger_damping=damping
+        ).create(pedestal())
 
 
 # determinism
