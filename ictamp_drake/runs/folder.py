@@ -1,13 +1,15 @@
 """The folder of a run: a new one, or an unfinished one that is continued.
 
 `config.yaml` holds what decides how problems are solved (`program`, what it works on, and `options`, or those of
-several `strategies`), and for each time that the run was started or continued one entry of `sessions`: when, how it was
-carried out, commit, versions, machine.
+several `strategies`, and the `scenes` of a user's own), and for each time that the run was started or continued one
+entry of `sessions`: when, how it was carried out, commit, versions, machine.
 """
 
 import dataclasses
 import fcntl
+import glob
 import json
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from datetime import datetime
@@ -17,16 +19,26 @@ from typing import Any
 import yaml
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.files import write_whole
+from ictamp_drake.runs.files import make_folder, write_whole
 from ictamp_drake.runs.options import Conduct
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.records import drop_torn_line
+from ictamp_drake.scenes.reading import mapping, parse, read_text
 
 RUNS = Path("runs")
 """Where runs go that are not told otherwise."""
 
 CONFIG = "config.yaml"
 RESULTS = "results.jsonl"
+
+WIDENED = ("strategies", "scenes")
+"""Of the configuration, what may get more entries when the run is continued."""
+
+_LEFTOVER = re.compile(rf"\.lock|\.{re.escape(CONFIG)}\.\d+")
+"""Names of files in a folder in which a run was killed before it had a configuration."""
+
+_TIME = "-".join("[0-9]" * digits for digits in (8, 6))
+"""Pattern of the time in the name of a folder."""
 
 
 @contextmanager
@@ -36,22 +48,23 @@ def opened(name: str, work: Mapping[str, Any], conduct: Conduct) -> Iterator[Pat
     Args:
         name: of new folders, followed by the time.
         work: what the run is about and how problems are solved: program, level, `options`, ...; this must agree when
-            the run is continued, but `strategies` may be added to those that were there.
+            the run is continued, but `strategies` and `scenes` may be added to those that were there.
         conduct: says where the folder is.
 
     Raises:
-        IctampError: when the folder is not a run, is a run of something else, or is in use.
+        IctampError: when the folder is not a run, is a run of something else, is in use or cannot be written.
     """
+    now = datetime.now().astimezone().isoformat(timespec="seconds")
+    session = {"started": now, "conduct": _plain(dataclasses.asdict(conduct)), **provenance()}
     fixed = _plain(work)
     path = _path(name, conduct)
-    before = _config(path)
-    _check_same(path, before, fixed)
-    fixed |= {"strategies": before.get("strategies", {}) | fixed["strategies"]} if "strategies" in fixed else {}
-    path.mkdir(parents=True, exist_ok=True)
+    before = _before(path)
+    if before:
+        check_same(path, before, fixed)
+    fixed |= {key: before.get(key, {}) | fixed.get(key, {}) for key in WIDENED if key in fixed}
+    make_folder(path)
     with locked(path):
         drop_torn_line(path / RESULTS)
-        now = datetime.now().astimezone().isoformat(timespec="seconds")
-        session = {"started": now, "conduct": _plain(dataclasses.asdict(conduct)), **provenance()}
         sessions = [*before.get("sessions", []), session]
         write_whole(
             path / CONFIG,
@@ -66,27 +79,51 @@ def _path(name: str, conduct: Conduct) -> Path:
             raise IctampError(f"{conduct.out}: there is no run to resume; leave --resume out to start one there")
         return conduct.out
     if conduct.resume:
-        runs = sorted(RUNS.glob(f"{name}-*/{CONFIG}"), key=lambda path: path.stat().st_mtime)
+        runs = sorted(RUNS.glob(f"{glob.escape(name)}-{_TIME}/{CONFIG}"), key=lambda path: path.stat().st_mtime)
         if not runs:
             raise IctampError(f"{RUNS / name}-*: there is no run to resume; leave --resume out to start one")
         return runs[-1].parent
     return RUNS / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
-def _config(path: Path) -> dict[str, Any]:
-    """Of the run to be continued, empty for a new folder."""
-    if not (path / CONFIG).exists():
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise IctampError(
-                f"{path}: exists and is not the folder of a run (it has no {CONFIG}); choose another --out"
-            )
-        return {}
-    return dict(yaml.safe_load((path / CONFIG).read_text(encoding="utf-8")))
+def _before(path: Path) -> dict[str, Any]:
+    """Configuration of the run to be continued, empty for a new folder."""
+    if (path / CONFIG).exists():
+        return read_config(path / CONFIG)
+    if path.exists() and not (path.is_dir() and all(_LEFTOVER.fullmatch(each.name) for each in path.iterdir())):
+        raise IctampError(f"{path}: exists and is not the folder of a run (it has no {CONFIG}); choose another --out")
+    return {}
 
 
-def _check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) -> None:
-    if not config:
-        return
+def read_config(path: Path) -> dict[str, Any]:
+    """The configuration of a run.
+
+    Raises:
+        IctampError: the file is not one.
+    """
+    text = read_text(path)
+    try:
+        config = dict(mapping(parse(text), ""))
+        for key in WIDENED:
+            mapping(config.get(key, {}), key)
+        if not isinstance(sessions := config.get("sessions", []), list):
+            raise IctampError(f"sessions is {sessions!r}, but must be a list")
+    except IctampError as error:
+        raise IctampError(f"{path}: {error}") from error
+    return config
+
+
+def check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) -> None:
+    """Refuse to continue what was made in another way.
+
+    Args:
+        path: of its folder.
+        config: how it was made.
+        fixed: how it is to be continued.
+
+    Raises:
+        IctampError: they differ; the sentence names the first option and both of its values.
+    """
     before, now = (_flat(_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
     for key in [*now, *before]:
         if before.get(key) != now.get(key):
@@ -98,10 +135,12 @@ def _check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any])
 
 
 def _common(values: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
-    """All that decides how problems are solved, of strategies those that are in both."""
-    kept = {key: value for key, value in values.items() if key not in ("sessions", "strategies")}
-    both = values.get("strategies", {}).keys() & other.get("strategies", {}).keys()
-    return {**kept, "strategies": {name: values["strategies"][name] for name in sorted(both)}}
+    """All that decides how problems are solved, of what may be added to those entries that are in both."""
+    kept = {key: value for key, value in values.items() if key not in ("sessions", *WIDENED)}
+    for key in WIDENED:
+        both = values.get(key, {}).keys() & other.get(key, {}).keys()
+        kept[key] = {name: values[key][name] for name in sorted(both)}
+    return kept
 
 
 @contextmanager
@@ -129,7 +168,7 @@ def _plain(values: Any) -> Any:
 def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in values.items():
-        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key: value}
+        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
     return flat
 
 

@@ -16,6 +16,9 @@ from ictamp_drake.runs.solve import Solution
 
 K = TypeVar("K")
 
+OWN = "own scenes"
+"""Level of problems without one, as it is shown."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Record:

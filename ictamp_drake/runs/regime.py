@@ -8,16 +8,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import yaml
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.result import StopReason
-from ictamp_drake.runs.folder import CONFIG, RESULTS
-from ictamp_drake.runs.records import Record, read_records
+from ictamp_drake.runs.folder import CONFIG, RESULTS, read_config
+from ictamp_drake.runs.records import OWN, Record, read_records
 from ictamp_drake.scenes.levels import LEVELS
 
-UNNAMED, OWN = "unnamed", "own scenes"
-"""Strategy of records without one, and level of problems without one."""
+UNNAMED = "unnamed"
+"""Strategy of records without one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +55,7 @@ def read_regime(folder: Path) -> Regime:
     finished = [record for record in records if record.stop_reason != StopReason.STOPPED.name]
     if not finished:
         raise IctampError(f"{folder / RESULTS}: holds no finished run; interrupted ones: {len(records)}")
-    config = _config(folder / CONFIG)
+    config = read_config(folder / CONFIG) if (folder / CONFIG).exists() else {}
     limits = {float(value) for value in _values(config, "time_limit") if isinstance(value, int | float)}
     limit = limits.pop() if len(limits) == 1 else None
     about = {"runs": _counted(records, finished), **_about(config, finished)}
@@ -107,17 +106,6 @@ def _number(value: float | None) -> float:
 def _rank(level: str) -> tuple[int, str]:
     """Easy to hard, and then all others."""
     return ([*LEVELS, level].index(level), level)
-
-
-def _config(path: Path) -> dict[str, Any]:
-    """What is known of how the runs were made, nothing when there is no such file."""
-    try:
-        config = yaml.safe_load(path.read_text(encoding="utf-8")) if path.exists() else {}
-    except yaml.YAMLError as error:
-        raise IctampError(f"{path}: is not YAML: {' '.join(str(error).split())}") from error
-    if not isinstance(config, dict):
-        raise IctampError(f"{path}: is {config!r}, but must be a mapping")
-    return config
 
 
 def _values(config: Any, key: str) -> Iterator[Any]:

@@ -12,7 +12,7 @@ from rich.text import Text
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.runs.progress import counted
-from ictamp_drake.runs.records import Record
+from ictamp_drake.runs.records import OWN, Record
 
 BLOCKERS = 4
 """Actions named for a problem that was not solved."""
@@ -75,7 +75,7 @@ def _groups(records: Sequence[Record]) -> Iterator[tuple[str, list[Record]]]:
     if any(record.strategy for record in records):
         groups: dict[str, list[Record]] = {}
         for record in records:
-            groups.setdefault(f"{record.level}  {record.strategy}", []).append(record)
+            groups.setdefault(f"{record.level or OWN}  {record.strategy}", []).append(record)
         yield from groups.items()
         return
     kinds = sorted({kind for record in records for kind in record.interference})

@@ -6,6 +6,7 @@ field at a time here, and the dataclass, its required fields and its defaults ar
 
 import dataclasses
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import yaml
@@ -39,6 +40,20 @@ class _Loader(yaml.SafeLoader):
 
 def _line(node: yaml.Node) -> str:
     return f"line {node.start_mark.line + 1}"
+
+
+def read_text(path: Path | str) -> str:
+    """The text of a file.
+
+    Raises:
+        IctampError: it cannot be read or is not UTF-8.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise IctampError(f"{path}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise IctampError(f"{path}: not a text file in UTF-8") from error
 
 
 def parse(text: str) -> object:

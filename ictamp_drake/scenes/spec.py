@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.scenes.checks import check_choice, check_names, check_range, check_vector
-from ictamp_drake.scenes.reading import build, parse
+from ictamp_drake.scenes.reading import build, parse, read_text
 
 Vector = tuple[float, float, float]
 
@@ -172,12 +172,9 @@ def load_scene(path: Path | str) -> SceneSpec:
     Raises:
         IctampError: one sentence that names the file, the field, its value and the valid choices.
     """
+    text = read_text(path)
     try:
-        return build(SceneSpec, parse(Path(path).read_text(encoding="utf-8")))
-    except OSError as error:
-        raise IctampError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise IctampError(f"{path}: not a text file in UTF-8") from error
+        return build(SceneSpec, parse(text))
     except IctampError as error:
         raise IctampError(f"{path}: {error}") from error
 

@@ -45,10 +45,24 @@ def test_every_session_is_noted() -> None:
 
 
 def test_resume_takes_the_latest_run() -> None:
-    for age, name in enumerate(("packing-easy-1", "packing-easy-2", "packing-easy-0")):
+    names = [f"packing-easy-20261124-13305{second}" for second in (1, 2, 0)]
+    for age, name in enumerate(names):
         start(out=Path("runs") / name)
         os.utime(Path("runs") / name / "config.yaml", (age, age))
-    assert start(resume=True) == Path("runs/packing-easy-0")
+    assert start(resume=True) == Path("runs") / names[-1]
+
+
+def test_resume_takes_no_run_of_a_name_that_only_begins_the_same() -> None:
+    start(out=Path("runs/packing-easy-high-20261124-133059"))
+    with pytest.raises(IctampError, match="there is no run to resume"):
+        start(resume=True)
+
+
+def test_resume_takes_a_name_literally() -> None:
+    start(out=Path("runs/desk1-20261124-133059"))
+    start(out=Path("runs/desk[1]-20261124-133058"))
+    with opened("desk[1]", {**WORK, **OPTIONS}, Conduct(resume=True)) as folder:
+        assert folder == Path("runs/desk[1]-20261124-133058")
 
 
 def test_resume_without_a_run_is_refused() -> None:
@@ -70,6 +84,43 @@ def test_a_folder_of_something_else_is_left_alone() -> None:
     with pytest.raises(IctampError, match=r"^out: exists and is not the folder of a run .* choose another --out$"):
         start(out=Path("out"))
     assert [path.name for path in Path("out").iterdir()] == ["thesis.tex"]
+
+
+def test_a_folder_in_which_a_run_was_killed_at_once_can_be_used() -> None:
+    Path("out").mkdir()
+    for name in (".lock", ".config.yaml.123"):
+        (Path("out") / name).touch()
+    assert start(out=Path("out")) == Path("out")
+
+
+def test_a_folder_below_a_file_is_refused() -> None:
+    Path("file").touch()
+    with pytest.raises(IctampError, match=r"^file/out: is no folder that can be written: Not a directory$"):
+        start(out=Path("file/out"))
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root writes anywhere")
+def test_a_folder_that_cannot_be_written_is_refused() -> None:
+    Path("out").mkdir(mode=0o555)
+    with pytest.raises(IctampError, match=r"^out: is no folder that can be written: Permission denied$"):
+        start(out=Path("out"))
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"", r"the file is None, but must be a mapping"),
+        (b"a: [", "line 1: not valid YAML"),
+        (b"\xff", "not a text file in UTF-8"),
+        (b"strategies: [els]", r"strategies is \['els'\], but must be a mapping"),
+        (b"sessions: 3", "sessions is 3, but must be a list"),
+    ],
+)
+def test_a_broken_configuration_is_named(content: bytes, sentence: str) -> None:
+    Path("out").mkdir()
+    Path("out/config.yaml").write_bytes(content)
+    with pytest.raises(IctampError, match=f"^out/config.yaml: {sentence}"):
+        start(out=Path("out"))
 
 
 def test_a_file_is_no_folder() -> None:
@@ -137,22 +188,23 @@ def test_how_a_run_is_carried_out_may_change() -> None:
         assert start(**vars(conduct)) == out
 
 
-def compared(**strategies: float) -> dict[str, object]:
-    """What a comparison is about, of which each strategy has one option."""
-    return {"program": "runner", "strategies": {name: {"time_limit": limit} for name, limit in strategies.items()}}
+def compared(what: str, **values: float) -> dict[str, object]:
+    """What a comparison is about, each strategy or scene with one figure."""
+    return {"program": "runner", what: {name: {"figure": value} for name, value in values.items()}}
 
 
-def test_strategies_may_be_added_but_not_changed() -> None:
+@pytest.mark.parametrize("what", ["strategies", "scenes"])
+def test_strategies_and_scenes_may_be_added_but_not_changed(what: str) -> None:
     conduct = Conduct(out=Path("out"))
-    for strategies in ({"els": 60.0, "stap": 60.0}, {"els": 60.0, "uniform": 60.0}):
-        with opened("runner", compared(**strategies), conduct):
+    for values in ({"one": 60.0, "two": 60.0}, {"one": 60.0, "three": 60.0}):
+        with opened("runner", compared(what, **values), conduct):
             pass
     config = yaml.safe_load(Path("out/config.yaml").read_text())
-    assert list(config["strategies"]) == ["els", "stap", "uniform"]
+    assert list(config[what]) == ["one", "two", "three"]
     assert len(config["sessions"]) == 2
     with (
-        pytest.raises(IctampError, match=r"strategies.stap.time_limit 30.0, since it was made with 60.0"),
-        opened("runner", compared(stap=30.0), conduct),
+        pytest.raises(IctampError, match=rf"{what}.two.figure 30.0, since it was made with 60.0"),
+        opened("runner", compared(what, two=30.0), conduct),
     ):
         pass
 

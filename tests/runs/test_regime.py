@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.regime import OWN, UNNAMED, read_regime, tabulated
+from ictamp_drake.runs.records import OWN
+from ictamp_drake.runs.regime import UNNAMED, read_regime, tabulated
 from tests.runs.recorded import CONDITIONS, folder_of, run
 
 
@@ -78,11 +79,10 @@ def test_a_folder_without_records_is_named_beside_those_that_have_them(tmp_path:
         read_regime(tmp_path / "nowhere")
 
 
-@pytest.mark.parametrize(("text", "sentence"), [("a: [", "is not YAML"), ("- 1", r"is \[1\], but must be a mapping")])
-def test_a_broken_configuration_is_named(text: str, sentence: str, tmp_path: Path) -> None:
+def test_a_broken_configuration_is_named(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "run", [run("a")])
-    (folder / "config.yaml").write_text(text)
-    with pytest.raises(IctampError, match=f"config.yaml: {sentence}"):
+    (folder / "config.yaml").write_text("- 1")
+    with pytest.raises(IctampError, match=r"config.yaml: the file is \[1\], but must be a mapping"):
         read_regime(folder)
 
 
