@@ -7,21 +7,21 @@ same command with --out FOLDER goes on where it was interrupted, and may add str
 """
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
-from ictamp_drake.runs.options import Conduct, one_of
+from ictamp_drake.runs.options import Conduct, Method, one_of
 from ictamp_drake.runs.program import Work, main
+from ictamp_drake.runs.solve import prepare
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.checks import check_choice, check_range
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
-from ictamp_drake.scenes.spec import load_scene
 
 
 @dataclass(frozen=True)
@@ -57,9 +57,10 @@ def work(options: Runner) -> Work:
     """Every problem with every strategy and seed.
 
     Raises:
-        IctampError: no such level, problems or strategy, a scene file is not one, or two have the same name.
+        IctampError: no such level, problems or strategy, a scene or its goal is not one, or two have the same name.
     """
     by_strategy = methods(options.regime, options.strategies, options.seeds)
+    scenes = _scenes(options.scenes, next(iter(by_strategy.values()))[0])
     jobs = [
         Job(problem, method, strategy)
         for problem in _problems(options)
@@ -67,23 +68,30 @@ def work(options: Runner) -> Work:
         for method in seeded
     ]
     strategies = {name: _seedless(seeded[0].decisive) for name, seeded in by_strategy.items()}
-    about = {"program": "runner", "regime": options.regime, "strategies": strategies}
+    about = {"program": "runner", "regime": options.regime, "strategies": strategies, "scenes": scenes}
     return Work(f"runner-{options.regime}", about, jobs, options.conduct)
 
 
-def _problems(options: Runner) -> Iterator[Problem]:
-    files = dict[str, Path]()
-    for level in options.levels or (() if options.scenes else PAPER_LEVELS):
-        for path in problem_files(level, options.problems):
-            name = f"{level}-{path.stem}"
-            files[name] = path
-            yield Problem(name, path, level)
-    for path in options.scenes:
-        load_scene(path)
+def _problems(options: Runner) -> list[Problem]:
+    levels = options.levels or (() if options.scenes else PAPER_LEVELS)
+    committed = [problem for level in levels for problem in _of_level(level, options.problems)]
+    return committed + [Problem(path.stem, path.absolute()) for path in options.scenes]
+
+
+def _of_level(level: str, selection: str) -> list[Problem]:
+    return [Problem(f"{level}-{path.stem}", path, level) for path in problem_files(level, selection)]
+
+
+def _scenes(paths: Sequence[Path], method: Method) -> Mapping[str, Any]:
+    """The content of a user's scenes by name; each must be fit for planning, and named unlike the levels' problems."""
+    files = {problem.name: problem.path for level in LEVELS for problem in _of_level(level, ":")}
+    scenes: dict[str, Any] = {}
+    for path in paths:
         if path.stem in files:
-            raise IctampError(f"scenes has {files[path.stem]} and {path}, but the names must be different")
+            raise IctampError(f"scenes has {path}, but the name is taken by {files[path.stem]}; rename one of them")
         files[path.stem] = path
-        yield Problem(path.stem, path.absolute())
+        scenes[path.stem] = asdict(prepare(path, method).spec)
+    return scenes
 
 
 def _seedless(options: dict[str, object]) -> dict[str, object]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.runs.artefacts import Artefacts, write_artefacts
 from ictamp_drake.runs.board import Board
@@ -34,6 +35,10 @@ class Problem:
     name: str
     path: Path
     level: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.name.startswith("."):  # what is left of it goes to a folder with its name
+            raise IctampError(f"{self.path}: the name of a scene is '{self.name}', but must not begin with a dot")
 
 
 @dataclass(frozen=True)

@@ -71,28 +71,42 @@ def test_scenes_of_ones_own_take_the_place_of_the_levels_or_come_after_them(tmp_
         (("a/desk.yaml", "a/shelf.yaml"), r"a/shelf\.yaml: cannot be read"),
         (
             ("a/desk.yaml", "b/desk.yaml"),
-            r"scenes has .*a/desk\.yaml and .*b/desk\.yaml, but the names must be different",
+            r"scenes has .*b/desk\.yaml, but the name is taken by .*a/desk\.yaml; rename one of them",
         ),
+        (("a/.yaml",), r"the name of a scene is '\.yaml', but must not begin with a dot"),
+        (("a/goal.yaml",), r'a/goal\.yaml: goal: object "sofa" in \(on cyan_box sofa\) is not in the scene'),
     ],
 )
-def test_scenes_that_are_none_or_share_a_name_are_refused(
+def test_scenes_that_are_not_fit_or_share_a_name_are_refused(
     tmp_path: Path, scenes: tuple[str, ...], sentence: str
 ) -> None:
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
-        (tmp_path / folder / "desk.yaml").write_bytes(problem_files("easy", "0")[0].read_bytes())
+        for name in ("desk.yaml", ".yaml"):
+            (tmp_path / folder / name).write_bytes(problem_files("easy", "0")[0].read_bytes())
+    desk = (tmp_path / "a" / "desk.yaml").read_text()
+    (tmp_path / "a" / "goal.yaml").write_text(desk.replace("(on cyan_box rack)", "(on cyan_box sofa)"))
     with pytest.raises(IctampError, match=sentence):
         work(Runner(scenes=tuple(tmp_path / scene for scene in scenes)))
 
 
-def test_a_scene_with_the_name_of_a_problem_beside_it_is_refused(tmp_path: Path) -> None:
+def test_a_scene_with_the_name_of_a_problem_is_refused(tmp_path: Path) -> None:
     scene = tmp_path / "easy-000.yaml"
     scene.write_bytes(problem_files("easy", "0")[0].read_bytes())
-    assert [job.problem.name for job in work(Runner(strategies=("adaptive",), scenes=(scene,))).jobs] == ["easy-000"]
-    with pytest.raises(
-        IctampError, match=r"scenes has .*000\.yaml and .*easy-000\.yaml, but the names must be different"
-    ):
-        work(Runner(levels=("easy",), scenes=(scene,)))
+    with pytest.raises(IctampError, match=r"scenes has .*easy-000\.yaml, but the name is taken by .*easy.000\.yaml"):
+        work(Runner(levels=("hard",), scenes=(scene,)))
+
+
+def test_a_comparison_does_not_go_on_with_another_scene_of_the_same_name(tmp_path: Path) -> None:
+    for folder, file in zip("ab", problem_files("easy", "0:2"), strict=True):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "desk.yaml").write_bytes(file.read_bytes())
+    own = ("--strategies", f"one={QUICK}", "--scenes")
+    assert "own scenes  one" in compare(tmp_path, *own, "a/desk.yaml")
+    done = run("experiments.runner", "--out", "out", *own, "b/desk.yaml", folder=tmp_path)
+    assert done.returncode == BAD_INPUT
+    assert done.stderr.startswith("out: cannot be continued with scenes.desk.")
+    assert len(read_records(tmp_path / "out" / "results.jsonl")) == 1
 
 
 @pytest.mark.parametrize(
