@@ -1,12 +1,14 @@
 """`results.jsonl`: one JSON object a problem, safe against interruption at any moment."""
 
 import dataclasses
+import errno
 import json
 import os
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from types import UnionType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
@@ -123,21 +125,34 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
 
 
 def append(record: Record, path: Path) -> None:
-    """Add a line by a single write, and wait until it is on the disk."""
+    """Add a line by a single write, and wait until it is on the disk.
+
+    Raises:
+        IctampError: that failed, e.g. since the disk is full; the file is as before.
+    """
     line = json.dumps(dataclasses.asdict(record)) + "\n"
-    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
-    try:
-        os.write(descriptor, line.encode())
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+    with path.open("ab", buffering=0) as file:
+        before = file.tell()
+        try:
+            if file.write(line.encode()) < len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            os.fsync(file.fileno())
+        except OSError as error:
+            file.truncate(before)
+            raise IctampError(f"{path}: a record could not be written: {error.strerror}") from error
 
 
 def drop_torn_line(path: Path) -> None:
-    """Cut off a last line without an end, which is left when a machine dies while it writes."""
-    if path.exists():
-        whole = path.read_bytes().rpartition(b"\n")
-        os.truncate(path, len(whole[0]) + len(whole[1]))
+    """Cut off a last line without an end, left when a machine died while it wrote; a whole record gets an end."""
+    before, newline, last = path.read_bytes().rpartition(b"\n") if path.exists() else (b"", b"", b"")
+    if not last:
+        return
+    try:
+        _parse(last)
+        with path.open("ab") as file:
+            file.write(b"\n")
+    except _NO_RECORD:
+        os.truncate(path, len(before) + len(newline))
 
 
 def read_records(path: Path) -> dict[str, Record]:
@@ -147,21 +162,40 @@ def read_records(path: Path) -> dict[str, Record]:
         IctampError: when a line is not a record.
     """
     records: dict[str, Record] = {}
-    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    lines = path.read_bytes().splitlines() if path.exists() else []
     for number, line in enumerate(lines, 1):
         try:
-            record = _parse(json.loads(line))
-        except (ValueError, TypeError, KeyError) as error:
+            record = _parse(line)
+        except _NO_RECORD as error:
             raise IctampError(f"{path}: line {number} is not a record: {error}") from error
         records.pop(record.name, None)
         records[record.name] = record
     return records
 
 
-def _parse(values: dict[str, Any]) -> Record:
-    interference, load = tuple(values["interference"]), tuple(values["load"])
-    depths = tuple(values.get("steps_by_depth", ()))
-    return Record(**values | {"interference": interference, "load": load, "steps_by_depth": depths})
+_NO_RECORD = (ValueError, TypeError)
+"""What `_parse` raises."""
+
+
+def _parse(line: bytes) -> Record:
+    values: dict[str, Any] = {"load": [], **json.loads(line)}
+    for name, hint in get_type_hints(Record).items():
+        if name in values and not _fits(values[name], hint):
+            shown = hint.__name__ if isinstance(hint, type) else hint
+            raise TypeError(f"{name} is {values[name]!r}, but must be of type {shown}")
+    return Record(**values | {name: tuple(value) for name, value in values.items() if isinstance(value, list)})
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value of JSON is of the type."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is UnionType:
+        return any(_fits(value, part) for part in parts)
+    if origin is tuple:
+        return isinstance(value, list) and all(_fits(item, parts[0]) for item in value)
+    if origin is dict:
+        return isinstance(value, dict) and all(_fits(item, parts[1]) for item in value.values())
+    return type(value) in ((int, float) if hint is float else (hint,))
 
 
 def _named(counts: Counter[Failure]) -> dict[str, int]:

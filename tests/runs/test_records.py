@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import resource
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,29 @@ def test_whole_lines_survive_a_torn_one(
     assert list(read_records(path).values()) == written
 
 
+def test_a_last_record_that_only_lacks_its_end_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    append(record("a"), path)
+    path.write_text(path.read_text().rstrip("\n"))
+    drop_torn_line(path)
+    append(record("b"), path)
+    assert list(read_records(path)) == ["a", "b"]
+
+
+@pytest.mark.parametrize("room", [0, 50])
+def test_a_record_that_the_disk_has_no_room_for_leaves_nothing(room: int, tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    append(record("a"), path)
+    before, limits = path.read_bytes(), resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + room, limits[1]))
+    try:
+        with pytest.raises(IctampError, match=r"results.jsonl: a record could not be written: "):
+            append(record("b"), path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert path.read_bytes() == before
+
+
 def test_the_last_record_of_a_problem_counts(tmp_path: Path) -> None:
     path = tmp_path / "results.jsonl"
     for each in (record("a", solved=False), record("b"), record("a", solved=True)):
@@ -89,6 +113,30 @@ def test_a_line_that_is_no_record_is_named(line: str, tmp_path: Path) -> None:
     with path.open("a") as file:
         file.write(line + "\n")
     with pytest.raises(IctampError, match=r"results.jsonl: line 2 is not a record"):
+        read_records(path)
+
+
+def test_a_line_that_is_not_utf8_is_named(tmp_path: Path) -> None:
+    (tmp_path / "results.jsonl").write_bytes(b'{"problem": "\xff"}\n')
+    with pytest.raises(IctampError, match=r"results.jsonl: line 1 is not a record: .*can't decode"):
+        read_records(tmp_path / "results.jsonl")
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "sentence"),
+    [
+        ("planning_time_s", "fast", "planning_time_s is 'fast', but must be of type float"),
+        ("solved", "no", "solved is 'no', but must be of type bool"),
+        ("seed", True, "seed is True, but must be of type int"),
+        ("failures", [1], r"failures is \[1\], but must be of type dict\[str, int\]"),
+        ("level", 3, r"level is 3, but must be of type str \| None"),
+        ("load", ["much"], r"load is \['much'\], but must be of type tuple"),
+    ],
+)
+def test_a_value_of_the_wrong_type_is_named(field: str, value: object, sentence: str, tmp_path: Path) -> None:
+    path = tmp_path / "results.jsonl"
+    path.write_text(json.dumps(dataclasses.asdict(record("a")) | {field: value}) + "\n")
+    with pytest.raises(IctampError, match=f"line 1 is not a record: {sentence}"):
         read_records(path)
 
 
