@@ -105,7 +105,13 @@ def _print_where(console: Console, work: Work, folder: Path, records: Mapping[st
         solved = [name for name, record in records.items() if record.solved]
         searched = [name for name, record in records.items() if not record.error]
         for what, names, file in (("Replays", solved, "replay.html"), ("Searches", searched, "search.html")):
-            lines += [f"{what}: {folder / (names[0] if len(names) == 1 else '*') / file}"] if names else []
+            if names:
+                lines.append(f"{what}: {folder / _pattern(names) / file}")
     if not complete:
         lines.append(f"Interrupted; the same command with --out {folder} goes on.")
     console.print("\n".join(lines), soft_wrap=True)
+
+
+def _pattern(names: Sequence[str]) -> str:
+    """That of their folders, with as many stars as a name has parts; of one its name."""
+    return names[0] if len(names) == 1 else "/".join("*" for _ in names[0].split("/"))

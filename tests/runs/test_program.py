@@ -1,0 +1,30 @@
+"""What a program says at the end."""
+
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from ictamp_drake.runs.options import Conduct, Method
+from ictamp_drake.runs.program import Work, run
+from ictamp_drake.runs.worker import Job, Problem
+from tests.runs import recorded
+
+
+@pytest.mark.parametrize(
+    ("strategy", "count", "place"),
+    [
+        ("", 1, "easy-000/search.html"),
+        ("", 2, "*/search.html"),
+        ("els", 1, "els/0/easy-000/search.html"),
+        ("els", 2, "*/*/*/search.html"),
+    ],
+)
+def test_pictures_are_found_where_it_says_that_they_are(strategy: str, count: int, place: str, tmp_path: Path) -> None:
+    records = [recorded.run(strategy, number) for number in range(count)]
+    out = recorded.folder_of(tmp_path / "out", records, {"program": "packing"})
+    jobs = [Job(Problem(record.problem, Path("scene.yaml")), Method(), strategy) for record in records]
+    printed = StringIO()
+    assert run(Work("packing", {"program": "packing"}, jobs, Conduct(out=out)), Console(file=printed)) == 0
+    assert f"Searches: {out / place}\n" in printed.getvalue()
