@@ -20,7 +20,7 @@ from ictamp_drake.runs.options import Conduct, Method, one_of
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.solve import prepare
 from ictamp_drake.runs.worker import Job, Problem
-from ictamp_drake.scenes.checks import check_choice, check_range
+from ictamp_drake.scenes.checks import check_choice, check_different, check_range
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
 
 
@@ -51,6 +51,8 @@ class Runner:
         check_range("number of seeds", len(self.seeds), 1, 1000)
         for seed in self.seeds:
             check_range("seeds", seed, 0, 2**63 - 1)
+        check_different("seeds", self.seeds)
+        check_different("levels", self.levels)
 
 
 def work(options: Runner) -> Work:

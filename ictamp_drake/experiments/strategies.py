@@ -1,5 +1,6 @@
 """The rows of the experiments: strategies by name, and the regimes under which they are compared."""
 
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 
@@ -7,6 +8,7 @@ import tyro
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.options import Method
+from ictamp_drake.scenes.checks import check_different
 
 _PRODUCT = (
     "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
@@ -60,6 +62,10 @@ Ceiling: the paper's, but limited by steps alone, so that counting the success o
 """
 
 
+_NAME = re.compile(r"\w[\w.+-]*")
+"""Of a strategy, and so of a folder for what it leaves."""
+
+
 def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Mapping[str, list[Method]]:
     """For each strategy by name its method, once with each seed.
 
@@ -69,23 +75,25 @@ def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Map
         seeds: of the search.
 
     Raises:
-        IctampError: no such strategy.
+        IctampError: no such strategy, or two with the same name.
     """
     shared, usual = REGIMES[regime]
     named = [_named(strategy) for strategy in strategies or usual]
+    check_different("strategies", [name for name, _ in named])
     return {
-        name: [tyro.cli(Method, args=[*shlex.split(f"{shared} {options}"), "--seed", str(seed)]) for seed in seeds]
+        name: [tyro.cli(Method, args=[*shlex.split(shared), *options, "--seed", str(seed)]) for seed in seeds]
         for name, options in named
     }
 
 
-def _named(strategy: str) -> tuple[str, str]:
+def _named(strategy: str) -> tuple[str, list[str]]:
     name, defined, options = strategy.partition("=")
-    if defined and name and "/" not in name:
-        return name, options
-    if strategy not in STRATEGIES:
+    if not (defined and _NAME.fullmatch(name)) and strategy not in STRATEGIES:
         raise IctampError(
-            f"strategies has '{strategy}', but must have names from {', '.join(STRATEGIES)}, or NAME=OPTIONS, e.g. "
-            f'"mine=--planner els --planners.els.p-w 2"'
+            f"strategies has '{strategy}', but must have names from {', '.join(STRATEGIES)}, or NAME=OPTIONS with "
+            f'letters, digits, _, ., + and - in NAME, e.g. "mine=--planner els --planners.els.p-w 2"'
         )
-    return strategy, STRATEGIES[strategy]
+    try:
+        return name, shlex.split(options if defined else STRATEGIES[strategy])
+    except ValueError as error:
+        raise IctampError(f'strategies has "{strategy}", whose options cannot be read: {error}') from error

@@ -13,7 +13,8 @@ from ictamp_drake.runs.comparison import PROBLEM, compared
 from ictamp_drake.runs.markdown import table
 from ictamp_drake.runs.verdicts import shown_ratio
 
-NAME = "bound"
+NAME = ""
+"""Of the bound among the strategies, none of which has it."""
 
 
 def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) -> list[str]:

@@ -47,6 +47,13 @@ def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
         raise IctampError(f"{field} is '{value}', but must be one of: {', '.join(choices)}")
 
 
+def check_different(field: str, values: Sequence[object]) -> None:
+    """Raise IctampError when a value is there more than once."""
+    for value in values:
+        if values.count(value) > 1:
+            raise IctampError(f"{field} has {value!r} more than once, but all must be different")
+
+
 def check_names(names: Iterable[str]) -> None:
     """Raise IctampError unless the names can stand side by side in a PDDL problem, where case does not count."""
     seen = set()

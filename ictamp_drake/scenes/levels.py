@@ -89,20 +89,26 @@ def problem_files(level: str, selection: str = ":") -> list[Path]:
     """
     check_choice("level", level, LEVELS)
     folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
-    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, COUNTS[level])]
+    return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, COUNTS[level], of=f" of {level}")]
 
 
-def parse_selection(selection: str, count: int) -> range:
-    """Problem numbers below `count` from a number (3) or a slice (0:5, 10:, :).
+def parse_selection(selection: str, count: int, option: str = "problems", of: str = "") -> range:
+    """Numbers below `count` from a number (3) or a slice (0:5, 10:, :).
+
+    Args:
+        selection: what was given.
+        count: how many there are.
+        option: that it was given for.
+        of: what the numbers are of, e.g. " of hard".
 
     Raises:
         IctampError: when it is neither or selects nothing.
     """
     match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
     if match is None or selection.strip() == "":
-        raise IctampError(f"problems is '{selection}', but must be a number or a slice, e.g. 3, 0:5, 10: or :")
+        raise IctampError(f"{option} is '{selection}', but must be a number or a slice, e.g. 3, 0:5, 10: or :")
     start, colon, stop = match.groups()
     chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)
     if not chosen or chosen[-1] >= count:
-        raise IctampError(f"problems is '{selection}', but must select from the numbers 0 to {count - 1}")
+        raise IctampError(f"{option} is '{selection}', but must select from the numbers 0 to {count - 1}{of}")
     return chosen

@@ -116,6 +116,12 @@ def test_a_comparison_does_not_go_on_with_another_scene_of_the_same_name(tmp_pat
         (("--regime", "product"), "regime is 'product', but must be one of: paper, default"),
         (("--levels", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"),
         (("--seeds", "-1"), "seeds is -1, but must be between 0 and"),
+        (("--seeds", "3", "3"), "seeds has 3 more than once, but all must be different"),
+        (("--levels", "easy", "easy"), "levels has 'easy' more than once, but all must be different"),
+        (
+            ("--levels", "easy", "hard", "--problems", "40:"),
+            "problems is '40:', but must select from the numbers 0 to 16 of hard",
+        ),
         (("--seeds",), "number of seeds is 0, but must be between 1 and 1000"),
     ],
 )

@@ -44,6 +44,11 @@ def test_what_is_left_to_gain() -> None:
     ]
 
 
+def test_no_name_of_a_strategy_is_taken() -> None:
+    runs = table(*(run(name, 0, seconds) for name, seconds in (("bound", 2.0), ("b", 4.0))))
+    assert headroom(runs, virtual_best)[2:] == ["| bound | 1.00 |", "| b | 0.50 |"]
+
+
 def test_a_single_strategy_has_nothing_to_choose_from() -> None:
     assert headroom(table(run("a", 0), run("a", 1)), virtual_best) == []
 
