@@ -13,16 +13,15 @@ from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 from rich.console import Console
 
-from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.runs.engine import EngineConfig
-from ictamp_drake.runs.files import write_whole
-from ictamp_drake.runs.folder import locked
+from ictamp_drake.runs.files import make_folder, read_json, write_whole
+from ictamp_drake.runs.folder import check_same, locked
 from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.progress import clock
 from ictamp_drake.runs.provenance import provenance
@@ -70,12 +69,12 @@ def collect(options: Collect, console: Console) -> int:
     """Collect what is not there yet and say what is there then; returns the exit code.
 
     Raises:
-        IctampError: the folder holds attempts that were made in another way, or is in use.
+        IctampError: the folder holds attempts that were made in another way, is in use or cannot be written.
     """
-    scenes = parse_selection(options.scenes, MAX_SCENES)
+    scenes = parse_selection(options.scenes, MAX_SCENES, "scenes")
     options.walk.check()
     options.engine.check()
-    options.out.mkdir(parents=True, exist_ok=True)
+    make_folder(options.out)
     with locked(options.out):
         _check_same(options)
         shards = Shards(options.out)
@@ -96,13 +95,8 @@ def _check_same(options: Collect) -> None:
     if not path.exists():
         write_whole(path, json.dumps({**fixed, **provenance()}, indent=2))
         return
-    before = json.loads(path.read_text(encoding="utf-8"))
-    for key, value in fixed.items():
-        if before.get(key) != value:
-            raise IctampError(
-                f"{options.out}: cannot be continued with {key} {value}, since it was made with {before.get(key)}; "
-                f"take that or another --out"
-            )
+    before = read_json(path)
+    check_same(options.out, {key: before.get(key) for key in fixed}, fixed)
 
 
 def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Console) -> int:
@@ -175,7 +169,7 @@ class _Progress:
 def _conclude(options: Collect, console: Console) -> None:
     """Write what there is beside the data, and show it."""
     path = options.out / COLLECTION
-    about: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    about = read_json(path)
     about["summary"] = found = summary(options.out)
     write_whole(path, json.dumps(about, indent=2))
     rate = found["succeeded"] / max(1, found["executed"])

@@ -22,11 +22,11 @@ from ictamp_drake.learning.dataset import fingerprint
 from ictamp_drake.runs.accuracy_table import as_csv, markdown, report
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.runs.contenders import BaseRates, Contender, contenders
-from ictamp_drake.runs.files import write_whole
+from ictamp_drake.runs.files import make_folder, write_whole
 from ictamp_drake.runs.folder import RUNS
 from ictamp_drake.runs.predictions import by_scene, predicted
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.scenes.checks import check_choice, check_range
+from ictamp_drake.scenes.checks import check_choice, check_different, check_range
 from ictamp_drake.viz.accuracy import draw_all
 
 NAME = "ictamp_drake.experiments.estimator_accuracy"
@@ -64,6 +64,8 @@ class EstimatorAccuracy:
         check_range("least", self.least, 2, 1e6)
         for skill in self.skills:
             check_choice("skills", skill, SKILLS)
+        check_range("number of skills", len(self.skills), 1, len(SKILLS))
+        check_different("skills", self.skills)
 
 
 def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
@@ -76,7 +78,7 @@ def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
     configs = contenders(checkpoints, options.base_rate.known(checkpoints), options.plans)
     accuracies = [_accuracy(options, skill, configs, console) for skill in options.skills]
     folder = options.out or RUNS / f"estimator_accuracy-{datetime.now():%Y%m%d-%H%M%S}"
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     write_whole(folder / "cases.csv", as_csv(accuracies))
     pictures = draw_all(accuracies, folder)
     write_whole(folder / "table.md", markdown(accuracies, _about(options, checkpoints, typed), pictures))

@@ -3,7 +3,6 @@
 `python -m ictamp_drake.experiments.report --runs benchmarks/results/paper benchmarks/results/default`
 """
 
-import json
 import os
 import shlex
 import sys
@@ -19,7 +18,7 @@ from rich.console import Console
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs import results_table
 from ictamp_drake.runs.command import COMPLETE, command
-from ictamp_drake.runs.files import write_whole
+from ictamp_drake.runs.files import make_folder, read_json, write_whole
 from ictamp_drake.runs.regime import Regime, read_regime
 from ictamp_drake.runs.results_page import Chapter, page
 from ictamp_drake.scenes.checks import check_choice
@@ -28,6 +27,7 @@ from ictamp_drake.viz.effort import depths, stages
 from ictamp_drake.viz.figures import write_figures
 from ictamp_drake.viz.gallery import examples, gallery
 from ictamp_drake.viz.growth import draw_growth
+from ictamp_drake.viz.layout import Layout
 
 NAME = "ictamp_drake.experiments.report"
 
@@ -51,18 +51,22 @@ class Report:
     search: Path = Path("benchmarks/results/search/tree.json")
     accuracy: Path = Path("benchmarks/estimator_accuracy/figure_3.png")
 
+    def __post_init__(self) -> None:
+        if self.out.name in ("", ".."):
+            raise IctampError(f"out is {self.out}, but must end in a name, which the page takes, e.g. docs/results")
+
 
 def report(options: Report, console: Console, typed: str) -> int:
     """Read all runs, then write the page, its tables and its pictures; returns the exit code.
 
     Raises:
-        IctampError: a folder holds no runs or broken ones, two have the same name, no strategy has the name, or the
-            search is no record of one.
+        IctampError: a folder holds no runs or broken ones, two have the same name, no strategy has the name, the
+            search is no record of one, or the folder for the page cannot be written.
     """
     regimes, out = _regimes(options.runs), options.out
     against = _against(options.against, regimes)
     search = _tree(options.search) if options.search.is_file() else None
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     chapters = [_chapter(regime, against, out) for regime in regimes]
     write_figures({"figure_2.png": lambda: gallery(examples())}, out)
     rows = [row for each in regimes for row in results_table.table_1(each.name, each.runs)] + results_table.published()
@@ -94,12 +98,11 @@ def _chapter(regime: Regime, against: str, out: Path) -> Chapter:
 
 
 def _tree(path: Path) -> dict[str, Any]:
+    tree = read_json(path)
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise IctampError(f"{path}: is not JSON: {error}") from error
-    if not isinstance(tree, dict) or not {"nodes", "log"} <= tree.keys():
-        raise IctampError(f"{path}: is no record of a search, which has nodes and a log")
+        Layout(tree)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise IctampError(f"{path}: is no record of a search, tree.json: {error!r}") from error
     return tree
 
 

@@ -1,10 +1,13 @@
-"""Folders that can be written, and files that appear whole or not at all."""
+"""Folders that can be written, files that appear whole or not at all, and what is read from them."""
 
 import errno
+import json
 import os
 from pathlib import Path
+from typing import Any
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.scenes.reading import read_text
 
 
 def make_folder(path: Path) -> None:
@@ -26,3 +29,19 @@ def write_whole(path: Path, text: str) -> None:
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     temporary.write_text(text, encoding="utf-8")
     temporary.replace(path)
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """The object in a file.
+
+    Raises:
+        IctampError: the file cannot be read or is none of JSON.
+    """
+    text = read_text(path)
+    try:
+        values = json.loads(text)
+    except ValueError as error:
+        raise IctampError(f"{path}: is not JSON: {error}") from error
+    if not isinstance(values, dict):
+        raise IctampError(f"{path}: is a {type(values).__name__} in JSON, but must be an object")
+    return values

@@ -97,7 +97,15 @@ def test_other_options_are_refused(collected: Path, capsys: pytest.CaptureFixtur
     assert program.main(["--scenes", "0:4", "--out", str(collected), *SHORT, "--seed", "1"]) == 2
     assert "cannot be continued with seed 1" in capsys.readouterr().err
     assert program.main(["--scenes", "six", "--out", str(collected), *SHORT]) == 2
-    assert "six" in capsys.readouterr().err
+    assert capsys.readouterr().err.startswith("scenes is 'six', but must be a number or a slice")
+    assert program.main(["--scenes", "0:4", "--out", str(collected), *SHORT, "--walk.draws", "7"]) == 2
+    assert "cannot be continued with walk.draws 7, since it was made with 2; " in capsys.readouterr().err
+
+
+def test_a_broken_note_of_how_attempts_were_made_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "collection.json").write_text('{"seed": ')
+    assert program.main(["--scenes", "0", "--out", str(tmp_path)]) == 2
+    assert "collection.json: is not JSON: " in capsys.readouterr().err
 
 
 def _die_here_and_there(out: Path, scene: int, _seed: int, _walk: object, spared: Sequence[int]) -> tuple[int, int]:

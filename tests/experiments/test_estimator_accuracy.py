@@ -84,6 +84,8 @@ def test_every_case_has_all_estimates(folder: Path, printed: str) -> None:
         ),
         (["--ground-truth", "{few}", "--least", "1"], "least is 1, but must be between 2"),
         (["--ground-truth", "{few}", "--skills", "push"], "skills is 'push', but must be one of: pick, place"),
+        (["--ground-truth", "{few}", "--skills"], "number of skills is 0, but must be between 1 and 2"),
+        (["--ground-truth", "{few}", "--skills", "pick", "pick"], "skills has 'pick' more than once"),
         (
             ["--ground-truth", "{few}", "--checkpoints", "none"],
             "none/pick_estimator.safetensors: there is no such checkpoint",

@@ -78,7 +78,16 @@ def test_the_reference_can_be_chosen_and_a_folder_without_it_takes_its_own(tmp_p
         (["--runs", "{folder}/paper", "--search", "{folder}/paper/config.yaml"], "paper/config.yaml: is not JSON: "),
         (
             ["--runs", "{folder}/paper", "--search", "{folder}/empty.json"],
-            "empty.json: is no record of a search, which has nodes and a log",
+            "empty.json: is no record of a search, tree.json: KeyError('nodes')",
+        ),
+        (
+            ["--runs", "{folder}/paper", "--search", "{folder}/other.json"],
+            "other.json: is no record of a search, tree.json: TypeError(",
+        ),
+        (["--runs", "{folder}/paper", "--out", "."], "out is ., but must end in a name, which the page takes, e.g."),
+        (
+            ["--runs", "{folder}/paper", "--out", "{folder}/empty.json/results"],
+            "empty.json/results: is no folder that can be written: Not a directory",
         ),
         (["--runs"], "runs: no folder is given, but there must be at least one"),
     ],
@@ -91,8 +100,9 @@ def test_mistakes_are_answered_with_a_sentence(
     with (broken / "results.jsonl").open("a") as file:
         file.write('{"problem": "easy-0')
     (tmp_path / "empty.json").write_text("{}")
+    (tmp_path / "other.json").write_text('{"nodes": [1], "log": [2]}')
     given = [each.format(folder=tmp_path) for each in arguments]
-    assert program.main([*given, "--out", str(tmp_path / "out")]) == 2
+    assert program.main(["--out", str(tmp_path / "out"), *given]) == 2
     error = capsys.readouterr().err
     assert sentence in error
     assert error.count("\n") == 1
