@@ -3,7 +3,7 @@
 `python -m ictamp_drake.experiments.runner --regime paper --strategies p-score adaptive --levels hard --seeds 0 1`
 
 Problem after problem, each with every strategy and seed, so that what is done at any moment is a fair comparison. The
-same command with --out FOLDER goes on where it was interrupted, and may add strategies, levels and seeds.
+same command with --out FOLDER goes on where it was interrupted, and may add strategies, levels, scenes and seeds.
 """
 
 import sys
