@@ -1,14 +1,15 @@
 """Credit assignment: which of the earlier steps decides whether a later one succeeds."""
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import wraps
 from typing import NamedTuple
 
 from ictamp_drake.core.types import Action
 
-Lineage = Sequence[int]
+Lineage = tuple[int, ...]
 """Numbers of the nodes from the root to a node, both included."""
-Way = Sequence[Action]
+Way = tuple[Action, ...]
 """Actions from the root to a node; the first argument of each is what it moves."""
 
 
@@ -24,14 +25,27 @@ class _Evidence(NamedTuple):
     def minus(self, other: "_Evidence") -> "_Evidence":
         return _Evidence(self.weight - other.weight, self.total - other.total)
 
-    def posterior(self, mean: float, strength: float) -> float:
-        """Mean of a Beta distribution that had this mean and strength before the evidence."""
-        return (strength * mean + self.total) / (strength + self.weight)
-
     def for_others(self, strength: float) -> "_Evidence":
         """What it says about another draw from the same Beta distribution, of this strength: at most so much."""
         share = strength / (strength + self.weight)
         return _Evidence(share * self.weight, share * self.total)
+
+
+_Judgement = Callable[["EdgeBelief", Lineage, Way, float], float]
+
+
+def _until_news(judgement: _Judgement) -> _Judgement:
+    """The same, computed once until there are news."""
+
+    @wraps(judgement)
+    def recalled(self: "EdgeBelief", lineage: Lineage, way: Way, P: float) -> float:
+        asked = judgement, lineage, way, P
+        known = self._known.get(asked)
+        if known is None:
+            known = self._known[asked] = judgement(self, lineage, way, P)
+        return known
+
+    return recalled
 
 
 class EdgeBelief:
@@ -54,14 +68,17 @@ class EdgeBelief:
         self._groups: defaultdict[int, _Evidence] = defaultdict(_Evidence)
         self._all_groups = [_Evidence()]
         self._blamed = Counter[frozenset[str]]()
+        self._known: dict[tuple[_Judgement, Lineage, Way, float], float] = {}
 
     def see(self, lineage: Lineage, P: float) -> None:
         """Take in P of a node."""
+        self._known.clear()
         for node in lineage:
             self._P[node] = self._P[node].plus(_Evidence(1.0, P))
 
     def learn(self, lineage: Lineage, success: bool) -> None:
         """Take in an attempt from a node."""
+        self._known.clear()
         before = self._groups_of(lineage)
         for node in lineage:
             self._groups[node] = self._groups[node].plus(_Evidence(1.0, success))
@@ -71,12 +88,15 @@ class EdgeBelief:
 
     def blame(self, objects: Collection[str]) -> None:
         """Take in between which objects a failure came about; none when that is not known."""
+        self._known.clear()
         self._blamed[frozenset(objects)] += 1
 
+    @_until_news
     def at(self, lineage: Lineage, way: Way, P: float) -> float:
         """Success from a node with this P."""
         return self._mean(self._groups_of(lineage), way, P)
 
+    @_until_news
     def ahead(self, lineage: Lineage, way: Way, usual: float) -> float:
         """Success from a node that is still to be reached, on this way, from the last one of the lineage.
 
@@ -85,7 +105,8 @@ class EdgeBelief:
         self._allow(len(way))
         P = usual
         for node in lineage:
-            P = self._P[node].posterior(P, strength=1.0)
+            weight, total = self._P[node]
+            P = (P + total) / (1 + weight)
         fresh = [_Evidence()] * (len(self._all_groups) - len(lineage))
         return self._mean([self._groups[node] for node in lineage] + fresh, way, P)
 
@@ -97,13 +118,18 @@ class EdgeBelief:
 
     def _allow(self, depth: int) -> None:
         """Consider every r up to this depth; every node so far was alone where r is more than were considered."""
-        self._all_groups += self._all_groups[-1:] * (depth + 1 - len(self._all_groups))
+        if depth >= len(self._all_groups):
+            self._known.clear()
+            self._all_groups += self._all_groups[-1:] * (depth + 1 - len(self._all_groups))
 
     def _mean(self, groups: Sequence[_Evidence], way: Way, P: float) -> float:
-        mean = 0.0
+        """Of all r: P is updated by what the other groups say about another draw, and then by the group itself."""
+        mean, strength = 0.0, self._strength
         for share, group, all_groups in zip(self._shares(way), groups, self._all_groups, strict=True):
-            others = all_groups.minus(group.for_others(self._strength))
-            mean += share * group.posterior(others.posterior(P, self._strength), self._strength)
+            (weight, total), (all_weight, all_total) = group, all_groups
+            part = strength / (strength + weight)
+            prior = (strength * P + (all_total - part * total)) / (strength + (all_weight - part * weight))
+            mean += share * ((strength * prior + total) / (strength + weight))
         return mean
 
     def _shares(self, way: Way) -> list[float]:

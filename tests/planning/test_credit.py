@@ -1,13 +1,13 @@
 """What attempts of an edge say about it elsewhere in the tree: by hand, and laws of it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
-from ictamp_drake.planning.credit import EdgeBelief
+from ictamp_drake.planning.credit import EdgeBelief, Lineage
 
 STRENGTH = 2.0
 LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
@@ -29,11 +29,11 @@ def after(history: Attempts) -> EdgeBelief:
     return belief
 
 
-def at(belief: EdgeBelief, lineage: Sequence[int], P: float) -> float:
+def at(belief: EdgeBelief, lineage: Lineage, P: float) -> float:
     return belief.at(lineage, WAY[: len(lineage) - 1], P)
 
 
-def ahead(belief: EdgeBelief, lineage: Sequence[int], depth: int, usual: float) -> float:
+def ahead(belief: EdgeBelief, lineage: Lineage, depth: int, usual: float) -> float:
     return belief.ahead(lineage, WAY[:depth], usual)
 
 
@@ -93,7 +93,7 @@ def test_a_failure_between_objects_is_blamed_on_the_steps_that_put_them_there() 
     for _ in range(500):
         belief.learn((0, 1, 2, 3), success=False)
         belief.blame({"cup", "saucer"})
-    hopes = [ahead(belief, range(kept + 1), depth=3, usual=0.6) for kept in range(4)]
+    hopes = [ahead(belief, (0, 1, 2, 3)[: kept + 1], depth=3, usual=0.6) for kept in range(4)]
     assert hopes[0] == pytest.approx(hopes[1], rel=0.01)
     assert hopes[1] > 1.5 * hopes[2] > 10 * hopes[3]
 
@@ -142,3 +142,21 @@ def test_to_ask_changes_nothing(history: Attempts, way: tuple[int, ...]) -> None
     plain = after(history)
     ahead(plain, way, depth=3, usual=0.6)
     assert everywhere(asked) == pytest.approx(everywhere(plain))
+
+
+@pytest.mark.parametrize(
+    "learn",
+    [
+        lambda belief: belief.see((0, 1, 2), 0.1),
+        lambda belief: belief.learn((0, 1, 2), success=True),
+        lambda belief: belief.blame({"cup"}),
+        lambda belief: belief.ahead((0,), 2 * WAY, 0.6),
+    ],
+    ids=["P", "attempt", "blame", "longer way"],
+)
+def test_news_count_where_it_was_asked_before(learn: Callable[[EdgeBelief], object]) -> None:
+    asked, fresh = (after([(3, False)] * 3) for _ in range(2))
+    before = everywhere(asked)
+    learn(asked)
+    learn(fresh)
+    assert before != everywhere(asked) == everywhere(fresh)
