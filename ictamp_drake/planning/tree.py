@@ -91,6 +91,8 @@ class Tree(Generic[C]):
         self.candidates: dict[int, bool] = {}
         self.exhausted = False
         self._numbers: dict[Skeleton, int] = {}
+        self._lineages: list[tuple[int, ...]] = [(ROOT,)]
+        self._ways: list[tuple[Action, ...]] = [()]
 
     @property
     def root(self) -> Node[C]:
@@ -173,10 +175,7 @@ class Tree(Generic[C]):
 
     def lineage(self, node: int) -> tuple[int, ...]:
         """Numbers of the nodes from the root to this one, both included."""
-        found = [node]
-        while (parent := self.nodes[found[-1]].parent) is not None:
-            found.append(parent)
-        return tuple(reversed(found))
+        return self._lineages[node]
 
     def path(self, node: int) -> tuple[Attempt[C], ...]:
         """The attempts that lead from the root to the node, empty for the root."""
@@ -185,7 +184,7 @@ class Tree(Generic[C]):
 
     def way(self, node: int) -> tuple[Action, ...]:
         """The actions that lead from the root to the node, none for the root."""
-        return tuple(attempt.action for attempt in self.path(node))
+        return self._ways[node]
 
     def summary(self) -> dict[str, int]:
         """The figures that every comparison of searches needs."""
@@ -241,6 +240,8 @@ class Tree(Generic[C]):
         rest = self.plans[plan].suffix(1)
         child = Node(len(self.nodes), attempt.successor, rest.states[0], parent.index, attempt, parent.depth + 1)
         self.nodes.append(child)
+        self._lineages.append((*self._lineages[parent.index], child.index))
+        self._ways.append((*self._ways[parent.index], attempt.action))
         self._hold(child, rest)
         return child.index
 
