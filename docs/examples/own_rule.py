@@ -8,7 +8,7 @@ import numpy as np
 
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Tree
 from ictamp_drake.runs.options import Method
 from ictamp_drake.runs.solve import prepare, solve
@@ -38,7 +38,7 @@ class Patient(Generic[C]):
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
         """The next computational action."""
         failures = sum(step.child is None for step in tree.steps)
-        runs = [RunStep(*run) for run in tree.runs]
+        runs = tree.runs
         if not runs or (not tree.exhausted and len(tree.openings) <= failures // self.patience):
             return OpenPlan()
         return min(runs, key=lambda run: len(tree.plans[run.plan]) + tree.nodes[run.node].cnt[run.plan])

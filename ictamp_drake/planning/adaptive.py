@@ -15,7 +15,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig, Mean
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Opening, Step, Tree
 
 
@@ -63,7 +63,7 @@ class Adaptive(Generic[C]):
         for entry in news:
             if isinstance(entry, Step):
                 self._beliefs.learn(tree, entry)
-        runs = [RunStep(*run) for run in tree.runs]
+        runs = tree.runs
         remaining = self._beliefs.remaining(tree, runs)
         best = min(remaining, default=np.inf)
         for entry in news:

@@ -13,8 +13,7 @@ from ictamp_drake.core.types import Action, C, Obstruction, Skeleton, State
 from ictamp_drake.planning.credit import EdgeBelief, Lineage, Way
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.obstructions import Obstructions, moved_by
-from ictamp_drake.planning.rule import RunStep
-from ictamp_drake.planning.tree import Step, Tree
+from ictamp_drake.planning.tree import RunStep, Step, Tree
 
 
 @dataclass(frozen=True)

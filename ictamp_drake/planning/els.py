@@ -20,8 +20,8 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import estimated
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.tree import ROOT, Opening, Step, Tree
+from ictamp_drake.planning.rule import OpenPlan, Option
+from ictamp_drake.planning.tree import ROOT, Opening, RunStep, Step, Tree
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class Els(Generic[C]):
             case Opening(plan=int(plan), seconds=seconds):
                 self._branch(tree, RunStep(ROOT, plan), work, work.spent + seconds)
             case Step(attempt=attempt) if tree.reached is not None:
-                self._branch(tree, RunStep(*tree.reached), work, attempt.effort)
+                self._branch(tree, tree.reached, work, attempt.effort)
 
     def _branch(self, tree: Tree[C], run: RunStep, parent: _Work, spent: float) -> None:
         """The parent is complete: the attempts at the next action are its children."""

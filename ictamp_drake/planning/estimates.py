@@ -8,8 +8,7 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C, Skeleton
-from ictamp_drake.planning.rule import RunStep
-from ictamp_drake.planning.tree import Tree
+from ictamp_drake.planning.tree import RunStep, Tree
 
 
 class Estimates(Generic[C]):

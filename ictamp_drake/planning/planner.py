@@ -15,8 +15,8 @@ from ictamp_drake.core.types import Attempt, C
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import PlanningResult, StopReason
-from ictamp_drake.planning.rule import OpenPlan, RuleConfig, RunStep, SelectionRule
-from ictamp_drake.planning.tree import Node, Tree
+from ictamp_drake.planning.rule import OpenPlan, RuleConfig, SelectionRule
+from ictamp_drake.planning.tree import Node, RunStep, Tree
 
 Verify = Callable[[tuple[Attempt[C], ...]], bool]
 """Judge of a finished plan: the attempts from c_0 to the goal, in order -> does the whole plan hold?"""

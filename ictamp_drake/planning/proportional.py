@@ -10,9 +10,9 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import Estimates
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.scores import draw, draw_node, latest_plan_cost, score_high, score_low
-from ictamp_drake.planning.tree import Tree
+from ictamp_drake.planning.tree import RunStep, Tree
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,8 @@ class Proportional(Generic[C]):
         return self._next_of_rollout(tree, rng) or self._draw_option(tree, rng)
 
     def _next_of_rollout(self, tree: Tree[C], rng: np.random.Generator) -> RunStep | None:
-        if tree.reached is None:
-            return None
-        node, rest = tree.reached
-        return draw_node(tree, rest, rng) if self._config.redraw else RunStep(node, rest)
+        reached = tree.reached
+        return draw_node(tree, reached.plan, rng) if reached and self._config.redraw else reached
 
     def _draw_option(self, tree: Tree[C], rng: np.random.Generator) -> Option:
         runs = [draw_node(tree, plan, rng) for plan in tree.open_plans]

@@ -1,13 +1,13 @@
 """What a selection rule is: it reads the tree and says which computational action comes next."""
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import C, Obstruction, Parameter
-from ictamp_drake.planning.tree import Tree
+from ictamp_drake.core.types import C, Obstruction
+from ictamp_drake.planning.tree import RunStep, Tree
 
 
 @dataclass(frozen=True)
@@ -20,20 +20,6 @@ class OpenPlan:
     """
 
     obstructions: frozenset[Obstruction] = frozenset()
-
-
-class RunStep(NamedTuple):
-    """Attempt the first action of a plan from a node that holds it.
-
-    Attributes:
-        node: its number in the tree.
-        plan: its number in the tree.
-        k: the parameter to attempt it with, None to draw it.
-    """
-
-    node: int
-    plan: int
-    k: Parameter | None = None
 
 
 Option = OpenPlan | RunStep

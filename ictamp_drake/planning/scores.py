@@ -7,8 +7,7 @@ from itertools import accumulate
 import numpy as np
 
 from ictamp_drake.core.types import C
-from ictamp_drake.planning.rule import RunStep
-from ictamp_drake.planning.tree import Opening, Tree
+from ictamp_drake.planning.tree import Opening, RunStep, Tree
 
 
 def latest_plan_cost(openings: Iterable[Opening]) -> int:

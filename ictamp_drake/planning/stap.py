@@ -9,8 +9,8 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator, PlanOptimizer
 from ictamp_drake.core.types import C, FloatArray
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.tree import ROOT, Tree
+from ictamp_drake.planning.rule import OpenPlan, Option
+from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 
 
 @dataclass(frozen=True)
@@ -79,10 +79,8 @@ class Stap(Generic[C]):
         return [plan for plan in opened if len(tree.plans[plan]) <= depth]
 
     def _next_of_plan(self, tree: Tree[C]) -> RunStep | None:
-        if tree.reached is None:
-            return None
-        node, rest = tree.reached
-        return RunStep(node, rest, self._k[tree.nodes[node].depth])
+        reached = tree.reached
+        return reached and reached._replace(k=self._k[tree.nodes[reached.node].depth])
 
     def _ranked(self, tree: Tree[C], rng: np.random.Generator) -> list[tuple[int, FloatArray]]:
         """Plans with their parameters, the most promising first."""

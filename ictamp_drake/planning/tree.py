@@ -7,9 +7,9 @@ selection rules read it, the planner writes it.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Generic
+from typing import Any, Generic, NamedTuple
 
-from ictamp_drake.core.types import Action, Attempt, C, Skeleton, State
+from ictamp_drake.core.types import Action, Attempt, C, Parameter, Skeleton, State
 
 ROOT = 0
 """Number of the root node n_0."""
@@ -71,6 +71,20 @@ class Step(Generic[C]):
     child: int | None
 
 
+class RunStep(NamedTuple):
+    """Attempt the first action of a plan from a node that holds it.
+
+    Attributes:
+        node: its number in the tree.
+        plan: its number in the tree.
+        k: the parameter to attempt it with, None to draw it.
+    """
+
+    node: int
+    plan: int
+    k: Parameter | None = None
+
+
 class Tree(Generic[C]):
     """The tree of one search.
 
@@ -117,18 +131,18 @@ class Tree(Generic[C]):
         return [number for number, plan in enumerate(self.plans) if plan.actions]
 
     @property
-    def runs(self) -> list[tuple[int, int]]:
-        """Every node with every plan that it could attempt, by their numbers, plan after plan."""
-        return [(node, plan) for plan in self.open_plans for node in self.holders[plan]]
+    def runs(self) -> list[RunStep]:
+        """Every node with every plan that it could attempt, plan after plan."""
+        return [RunStep(node, plan) for plan in self.open_plans for node in self.holders[plan]]
 
     @property
-    def reached(self) -> tuple[int, int] | None:
-        """The node that the last entry of the log led to and the rest of its plan, None when nothing is left to run."""
+    def reached(self) -> RunStep | None:
+        """The rest of a plan from where the last entry of the log led to, None when nothing is left to run."""
         last = self.log[-1] if self.log else None
         if not isinstance(last, Step) or last.child is None or self.is_finished(self.nodes[last.child]):
             return None
         (rest,) = self.nodes[last.child].cnt
-        return last.child, rest
+        return RunStep(last.child, rest)
 
     @property
     def solution(self) -> int | None:

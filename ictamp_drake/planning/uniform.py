@@ -7,7 +7,7 @@ import numpy as np
 
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
+from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Tree
 
 
@@ -26,5 +26,5 @@ class UniformAllocation(Generic[C]):
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
         """The next computational action."""
         options: list[Option] = [] if tree.exhausted else [OpenPlan()]
-        options += [RunStep(*run) for run in tree.runs]
+        options += tree.runs
         return options[rng.integers(len(options))]

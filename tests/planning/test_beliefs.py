@@ -11,8 +11,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Obstruction, Skeleton
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
-from ictamp_drake.planning.rule import RunStep
-from ictamp_drake.planning.tree import ROOT, Tree
+from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction
 
 WORLD = ToyWorld(size=(1, 1))

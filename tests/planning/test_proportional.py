@@ -12,8 +12,8 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Attempt
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.planning.proportional import Proportional, ProportionalConfig
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.tree import ROOT, Tree
+from ictamp_drake.planning.rule import OpenPlan, Option
+from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction, toy_planner
 
 WORLD = ToyWorld(size=(1, 1))

@@ -7,8 +7,8 @@ from scipy.stats import chisquare
 
 from ictamp_drake.core.types import Attempt
 from ictamp_drake.estimators.constant import ConstantConfig
-from ictamp_drake.planning.rule import OpenPlan, Option, RunStep
-from ictamp_drake.planning.tree import ROOT, Tree
+from ictamp_drake.planning.rule import OpenPlan, Option
+from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 from ictamp_drake.planning.uniform import UniformAllocation, UniformAllocationConfig
 from tests.toy_world import RIGHT, ToyConfiguration, ToyWorld, abstraction
 
