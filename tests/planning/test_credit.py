@@ -1,5 +1,7 @@
 """What attempts of an edge say about it elsewhere in the tree: by hand, and laws of it."""
 
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
 from ictamp_drake.planning.credit import EdgeBelief, Lineage
+from tests.runs.programs import environment
 
 STRENGTH = 2.0
 LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
@@ -128,7 +131,10 @@ def test_no_failure_raises_and_no_success_lowers_any_belief(history: Attempts, w
 
 
 @given(history=attempts, data=st.data())
-def test_the_order_of_attempts_does_not_matter(history: Attempts, data: st.DataObject) -> None:
+def test_the_order_of_attempts_from_nodes_none_of_which_is_below_another_does_not_matter(
+    history: Attempts, data: st.DataObject
+) -> None:
+    """Those from below a node count as its own where r is more than its depth, but only if they came before its own."""
     shuffled = data.draw(st.permutations(history))
     assert everywhere(after(shuffled)) == pytest.approx(everywhere(after(history)))
 
@@ -160,3 +166,21 @@ def test_news_count_where_it_was_asked_before(learn: Callable[[EdgeBelief], obje
     learn(asked)
     learn(fresh)
     assert before != everywhere(asked) == everywhere(fresh)
+
+
+def blamed() -> EdgeBelief:
+    """The belief when failures came about between other objects each time."""
+    belief = after([(0, False)] * 6)
+    for objects in (("cup",), ("saucer", "shelf"), ("cup", "saucer"), ("shelf",), ("table", "cup"), ()):
+        belief.blame(objects)
+    return belief
+
+
+@pytest.mark.parametrize("hash_seed", [1, 2])
+def test_beliefs_do_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
+    """To the last bit, which decides among equals."""
+    program = "from tests.planning.test_credit import blamed, everywhere; print(everywhere(blamed()))"
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=environment(hash_seed), check=True, capture_output=True, text=True
+    )
+    assert done.stdout == f"{everywhere(blamed())}\n"
