@@ -10,6 +10,7 @@ from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, raised
+from ictamp_drake.world.situations import LIFT
 from ictamp_drake.world.world import World
 
 
@@ -25,7 +26,7 @@ class PickConfig:
 
     force: float = 30.0
     margin: float = 0.015
-    lift: float = 0.04
+    lift: float = LIFT
 
     def __post_init__(self) -> None:
         check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), margin=(0, 1), lift=(1e-3, 1))

@@ -13,16 +13,15 @@ from pydrake.trajectories import (
 )
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
+from ictamp_drake.models.constants import MAX_FINGER_SPEED
 
-FINGER_SPEED = 0.05
-"""Speed of each finger [m/s], the fastest of Franka's hand."""
 FORCE_RAMP = 0.05
 """Time in which the grip force is built up or released [s]."""
 
 
 def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
     """How long the hand needs from one command's goal to the next one's [s]."""
-    return abs(after.width - before.width) / 2 / FINGER_SPEED + FORCE_RAMP * (after.force != before.force)
+    return abs(after.width - before.width) / 2 / MAX_FINGER_SPEED + FORCE_RAMP * (after.force != before.force)
 
 
 def desired_positions(

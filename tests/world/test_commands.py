@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
-from ictamp_drake.models.constants import HOME
-from ictamp_drake.world.commands import FINGER_SPEED, FORCE_RAMP, desired_positions, feedforward, gripper_time
+from ictamp_drake.models.constants import HOME, MAX_FINGER_SPEED
+from ictamp_drake.world.commands import FORCE_RAMP, desired_positions, feedforward, gripper_time
 from tests.world.scenes import way
 
 OPEN = GripperCommand(0.08)
@@ -46,12 +46,12 @@ def test_fingers_arrive_before_they_press_and_let_go_before_they_open() -> None:
     assert pressing.any()
     np.testing.assert_allclose(width[pressing], GRIP.width, atol=1e-9)
     assert force.max() == pytest.approx(GRIP.force)
-    arrival = 0.7 + (OPEN.width - GRIP.width) / 2 / FINGER_SPEED
+    arrival = 0.7 + (OPEN.width - GRIP.width) / 2 / MAX_FINGER_SPEED
     assert times[pressing].min() == pytest.approx(arrival, abs=0.0015)
     assert times[pressing].max() == pytest.approx(0.7 + 0.6 + 0.31 + FORCE_RAMP, abs=0.0015)
     held = (times > arrival + FORCE_RAMP) & (times < 0.7 + 0.6 + 0.31)
     np.testing.assert_allclose(force[held], GRIP.force)
-    assert np.abs(np.diff(width)).max() / 0.001 / 2 <= FINGER_SPEED * (1 + 1e-6)
+    assert np.abs(np.diff(width)).max() / 0.001 / 2 <= MAX_FINGER_SPEED * (1 + 1e-6)
     np.testing.assert_allclose(width[[0, -1]], OPEN.width)
 
 
