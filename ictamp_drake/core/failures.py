@@ -18,11 +18,3 @@ class Failure(Enum):
 
     def __str__(self) -> str:
         return self.value
-
-    @property
-    def is_kinematic(self) -> bool:
-        """True when the attempt was refused before anything was simulated."""
-        return self in _KINEMATIC
-
-
-_KINEMATIC = frozenset({Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})

@@ -29,8 +29,3 @@ class Stopwatch:
             yield
         finally:
             self._seconds[name] = self._seconds.get(name, 0.0) + self._clock() - start
-
-    def take(self) -> dict[str, float]:
-        """The seconds by stage since the last call."""
-        seconds, self._seconds = self._seconds, {}
-        return seconds

@@ -59,10 +59,6 @@ class Domain:
         )
         return cls(tuple(boxes), tuple(supports), tuple(actions))
 
-    def applicable(self, state: State) -> tuple[Action, ...]:
-        """The actions whose preconditions hold, in their order."""
-        return tuple(ground.action for ground in self.actions if ground.preconditions <= state)
-
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
         """The applicable actions in their order, each with the state that it promises."""
         return tuple((g.action, g.applied(state)) for g in self.actions if g.preconditions <= state)

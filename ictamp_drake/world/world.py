@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from pydrake.math import RigidTransform
 
-from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand
+from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
@@ -63,12 +63,6 @@ class World:
         self.plant.SetPositions(self._plant_context, self.bodies.arm, c.q)
         for name, body in self.bodies.boxes.items():
             self.plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
-
-    def get_configuration(self, held: str | None, gripper: GripperCommand) -> Configuration:
-        """What the context shows; a context does not know what is held and what the hand obeys."""
-        context, plant = self._plant_context, self.plant
-        poses = {name: plant.GetPositions(context, body.model_instance()) for name, body in self.bodies.boxes.items()}
-        return Configuration(plant.GetPositions(context, self.bodies.arm), poses, held, gripper)
 
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
         """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""

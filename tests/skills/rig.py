@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Parameter, State
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.skills.optimisation import OptimisationConfig
@@ -15,6 +16,8 @@ from ictamp_drake.world.simulate import Physics, PhysicsConfig
 from ictamp_drake.world.world import World
 
 OPTIMISATION = OptimisationConfig()
+KINEMATIC = frozenset({Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})
+"""Causes of failure before anything is simulated."""
 
 
 @dataclass(frozen=True)
