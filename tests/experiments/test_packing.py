@@ -178,7 +178,7 @@ def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
     [
         (("--level", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"),
         (("--problems", "a:b"), "problems is 'a:b', but must be a number or a slice, e.g. 3, 0:5, 10: or :"),
-        (("--problems", "55"), "problems is '55', but must select from the numbers 0 to 54"),
+        (("--problems", "55"), "problems is '55', but must select from the numbers 0 to 54 of easy"),
         (("--sampler", "best"), "sampler is 'best', but must be one of: policy, optimisation, uniform"),
         (("--estimator", "q"), "estimator is 'q', but must be one of: p-score, q-value, constant, monte-carlo"),
         (("--generator", "x"), "generator is 'x', but must be one of: breadth-first, best-first"),
