@@ -70,7 +70,7 @@ def compared(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparis
 def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) -> Comparison:
     pairs = pairs.assign(difference=pairs["solved"].astype(int) - pairs["solved_reference"].astype(int))
     both = pairs[pairs["solved"] & pairs["solved_reference"]]
-    paced = both[["pace", "pace_reference"]].notna().all(axis=1).mean() >= KNOWN
+    known = both[["pace", "pace_reference"]].notna().all(axis=1).mean() >= KNOWN
     return Comparison(
         level=level,
         strategy=strategy,
@@ -82,8 +82,8 @@ def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) 
         both=len(both[PROBLEM].drop_duplicates()),
         time=ratio(both, "seconds"),
         steps=ratio(both, "steps"),
-        pace=ratio(both, "pace") if paced else None,
-        paced=ratio(both, "paced") if paced else None,
+        pace=ratio(both, "pace") if known else None,
+        paced=ratio(both, "paced") if known else None,
     )
 
 

@@ -1,8 +1,6 @@
 """Adaptive allocation: where the next step goes, and when another plan is opened."""
 
 import math
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -20,7 +18,7 @@ from ictamp_drake.planning.result import PlanningResult
 from ictamp_drake.planning.tree import Opening
 from ictamp_drake.symbolic.atoms import ON
 from ictamp_drake.symbolic.skeletons import BreadthFirst
-from tests.runs.programs import environment
+from tests.runs.programs import printed
 from tests.symbolic.towers import Problem, state
 from tests.toy_world import RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
 
@@ -182,8 +180,5 @@ def test_boxes_of_which_the_goal_does_not_speak_are_moved_out_of_the_way(patienc
 
 @pytest.mark.parametrize("hash_seed", [1, 2])
 def test_the_search_does_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
-    program = "from tests.planning.test_adaptive import parked; print(parked().tree.to_dict())"
-    done = subprocess.run(
-        [sys.executable, "-c", program], env=environment(hash_seed), check=True, capture_output=True, text=True
-    )
-    assert done.stdout == f"{parked().tree.to_dict()}\n"
+    code = "from tests.planning.test_adaptive import parked; print(parked().tree.to_dict())"
+    assert printed(code, hash_seed) == f"{parked().tree.to_dict()}\n"

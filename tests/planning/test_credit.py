@@ -1,7 +1,5 @@
 """What attempts of an edge say about it elsewhere in the tree: by hand, and laws of it."""
 
-import subprocess
-import sys
 from collections.abc import Callable, Sequence
 
 import pytest
@@ -10,7 +8,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
 from ictamp_drake.planning.credit import EdgeBelief, Lineage
-from tests.runs.programs import environment
+from tests.runs.programs import printed
 
 STRENGTH = 2.0
 LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
@@ -179,8 +177,5 @@ def blamed() -> EdgeBelief:
 @pytest.mark.parametrize("hash_seed", [1, 2])
 def test_beliefs_do_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
     """To the last bit, which decides among equals."""
-    program = "from tests.planning.test_credit import blamed, everywhere; print(everywhere(blamed()))"
-    done = subprocess.run(
-        [sys.executable, "-c", program], env=environment(hash_seed), check=True, capture_output=True, text=True
-    )
-    assert done.stdout == f"{everywhere(blamed())}\n"
+    code = "from tests.planning.test_credit import blamed, everywhere; print(everywhere(blamed()))"
+    assert printed(code, hash_seed) == f"{everywhere(blamed())}\n"

@@ -43,6 +43,12 @@ def run(program: str, *arguments: str | Path, folder: Path, hash_seed: int = 0) 
     )
 
 
+def printed(code: str, hash_seed: int) -> str:
+    """What Python code prints in a process of its own, where sets have an order of their own."""
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, env=environment(hash_seed), capture_output=True, text=True, check=True).stdout
+
+
 def timeless(record: Record) -> dict[str, object]:
     """What a record says apart from times and the machine's load."""
     times = {"planning_time_s", "replay_time_s", "load"}

@@ -1,9 +1,6 @@
 """The streams of plans: complete, in order, resumable, the same in every process."""
 
 import math
-import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice, takewhile
@@ -17,6 +14,7 @@ from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import ON, beneath, supporters
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
+from tests.runs.programs import printed
 from tests.symbolic.towers import LEVELS, Problem, problems, standing, state
 
 Config = BreadthFirst | BestFirst
@@ -269,15 +267,6 @@ for config in CONFIGS.values():
 
 
 def test_the_stream_does_not_depend_on_the_hash_seed() -> None:
-    outputs = [
-        subprocess.run(
-            [sys.executable, "-c", PROGRAM],
-            env=os.environ | {"PYTHONHASHSEED": seed},
-            check=True,
-            capture_output=True,
-            text=True,
-        ).stdout
-        for seed in ("1", "2")
-    ]
+    outputs = [printed(PROGRAM, hash_seed) for hash_seed in (1, 2)]
     assert outputs[0].count("\n") == 320
     assert outputs[0] == outputs[1]
