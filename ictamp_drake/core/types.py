@@ -193,6 +193,16 @@ class Attempt(Generic[C]):
         return self.failure is None
 
     @property
+    def tried(self) -> int:
+        """Parameters that were looked at."""
+        return len(self.rejections) + 1
+
+    @property
+    def duration(self) -> float:
+        """How long the motion takes to execute [s]."""
+        return sum(segment.duration for segment in self.motion)
+
+    @property
     def effort(self) -> float:
         """Computing time of all stages together [s]."""
         return sum(self.seconds.values())

@@ -1,4 +1,4 @@
-"""What a search learns about its own steps: how likely they succeed, and how long they take to compute."""
+"""What a search learns about its own steps: how likely they succeed, and how much effort they take."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -24,9 +24,9 @@ class BeliefsConfig:
         strength: attempts that the prior P is worth (`python benchmarks/beliefs.py`).
         floor: least prior, so that no step is ever given up.
         hope: P of an action before any of its name was estimated.
-        duration: computing time of a step before any of its name succeeded [s].
-        step: what a step counts for besides its computing time, so that those which are refused at once are not
-            repeated hundreds of times [s].
+        effort: of a step before any of its name succeeded [s].
+        trying: effort of looking at a k, even where it is refused at once, lest that be repeated hundreds of times [s].
+        simulating: effort of a second of motion [s].
         patience: failures at a box which no step has moved that an action is expected to have before it succeeds, from
             which on plans are sought that move the box first; infinite to seek none.
     """
@@ -34,26 +34,27 @@ class BeliefsConfig:
     strength: float = 4.0
     floor: float = 0.1
     hope: float = 0.9
-    duration: float = 0.5
-    step: float = 0.03
+    effort: float = 0.5
+    trying: float = 0.08
+    simulating: float = 0.12
     patience: float = 1.5
 
     def __post_init__(self) -> None:
-        for name in ("strength", "floor", "hope", "duration", "patience"):
+        for name in ("strength", "floor", "hope", "effort", "trying", "simulating", "patience"):
             if not getattr(self, name) > 0:
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
         for name in ("floor", "hope"):
             if getattr(self, name) > 1:
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be at most 1.")
-        if not self.step >= 0:
-            raise IctampError(f"step of the beliefs is {self.step}, but must be 0 or more.")
-        for name in ("strength", "duration", "step"):
+        for name in ("strength", "effort", "trying", "simulating"):
             if isinf(getattr(self, name)):
                 raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be finite.")
 
 
 class Beliefs(Generic[C]):
     """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
+
+    Effort is about the computing time, but counted, not measured, so that a search is the same on every machine.
 
     Once boxes are known to be in the way of a, all its edges are one, and another one where they have been moved.
 
@@ -67,7 +68,7 @@ class Beliefs(Generic[C]):
         self._edges: defaultdict[_Edge, EdgeBelief] = defaultdict(lambda: EdgeBelief(config.strength))
         self._obstructions = Obstructions(config.patience)
         self._usual: defaultdict[str | Action, Mean] = defaultdict(Mean)
-        self._seconds: defaultdict[tuple[str, bool], Mean] = defaultdict(Mean)
+        self._efforts: defaultdict[tuple[str, bool], Mean] = defaultdict(Mean)
 
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
         """Take in an attempt; a failed one counts as often as it tried a k.
@@ -78,17 +79,18 @@ class Beliefs(Generic[C]):
         action, obstacles = attempt.action, attempt.obstacles
         success = step.child is not None and tree.candidates.get(step.child, True)
         for edge in self._edges_at(tree, step.node, action):
-            for _ in range(1 if success else len(attempt.rejections) + 1):
+            for _ in range(1 if success else attempt.tried):
                 edge.learn(lineage, success)
             if not success:
                 edge.blame({*action.args, *obstacles} if obstacles else ())
-        self._obstructions.learn(tree.way(step.node), attempt, success)
-        self._seconds[action.name, success].add(attempt.effort)
+        self._obstructions.learn(tree.root.s, tree.way(step.node), attempt, success)
+        effort = self._config.trying * attempt.tried + self._config.simulating * attempt.duration
+        self._efforts[action.name, success].add(effort)
 
     def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        """Computing time that running each plan from its node is believed to take until the plan is finished [s]."""
+        """Effort that running each plan from its node is believed to take until the plan is finished [s]."""
         ahead = cache(self._ahead)
-        times = []
+        efforts = []
         for run, P in zip(runs, self._see(tree, runs), strict=True):
             lineage, plan = tree.lineage(run.node), tree.plans[run.plan]
             here = tree.way(run.node)
@@ -96,12 +98,12 @@ class Beliefs(Generic[C]):
             ways = [way[:depth] for depth in range(len(here), len(way))]
             first, *later = map(self._edge, plan.states, plan.actions, ways)
             rest = (ahead(lineage, before, edge) for before, edge in zip(ways[1:], later, strict=True))
-            times.append(sum(rest, self._here(lineage, here, first, P)))
-        return times
+            efforts.append(sum(rest, self._here(lineage, here, first, P)))
+        return efforts
 
     def hoped(self, plan: Skeleton) -> float:
         """What `remaining` would be had nothing been attempted yet [s]."""
-        return sum(self._time(action, self._usually(action)) for action in plan.actions)
+        return sum(self._effort(action, self._usually(action)) for action in plan.actions)
 
     def obstructions(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
         """What had better be moved before these actions."""
@@ -131,24 +133,24 @@ class Beliefs(Generic[C]):
         return estimates
 
     def _here(self, lineage: Lineage, way: Way, edge: "_Edge", P: float) -> float:
-        """Time of an action from the last node, of which P is known."""
-        return self._time(edge.action, self._edges[edge].at(lineage, way, P))
+        """Effort of an action from the last node, of which P is known."""
+        return self._effort(edge.action, self._edges[edge].at(lineage, way, P))
 
     def _ahead(self, lineage: Lineage, way: Way, edge: "_Edge") -> float:
-        """Time of an action from the end of a way that begins like the lineage."""
+        """Effort of an action from the end of a way that begins like the lineage."""
         usual = self._usually(edge.action)
         known = self._edges.get(edge)
-        return self._time(edge.action, known.ahead(lineage, way, usual) if known else usual)
+        return self._effort(edge.action, known.ahead(lineage, way, usual) if known else usual)
 
     def _usually(self, action: Action) -> float:
         """Mean P of the action elsewhere, or else of actions of its name."""
         return self._usual[action].or_else(self._usual[action.name].or_else(self._config.hope))
 
-    def _time(self, action: Action, belief: float) -> float:
+    def _effort(self, action: Action, belief: float) -> float:
         """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
-        success = self._seconds[action.name, True].or_else(self._config.duration)
-        failure = self._seconds[action.name, False].or_else(success)
-        return success + self._config.step + (1 / belief - 1) * (failure + self._config.step)
+        success = self._efforts[action.name, True].or_else(self._config.effort)
+        failure = self._efforts[action.name, False].or_else(success)
+        return success + (1 / belief - 1) * failure
 
 
 class _Edge(NamedTuple):

@@ -3,7 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 
-from ictamp_drake.core.types import Action, Attempt, C, Obstruction
+from ictamp_drake.core.types import Action, Attempt, C, Obstruction, State
 
 _NONE: frozenset[str] = frozenset()
 
@@ -22,14 +22,18 @@ class Obstructions:
         self._successes: defaultdict[Action, list[frozenset[str]]] = defaultdict(list)
         self._found: dict[Action, frozenset[str]] = {}
 
-    def learn(self, way: Iterable[Action], attempt: Attempt[C], success: bool) -> None:
-        """Take in an attempt that was made after the actions of the way."""
+    def learn(self, initial: State, way: Iterable[Action], attempt: Attempt[C], success: bool) -> None:
+        """Take in an attempt that was made after the actions of the way.
+
+        The initial state tells what can be moved: what its atoms are about, the first argument of each.
+        """
         action, moved = attempt.action, moved_by(way)
         if success:
             self._successes[action].append(moved)
+        unmoved = {atom.args[0] for atom in initial if atom.args} - moved - {*action.args}
         for box, refused in Counter(attempt.obstacles).items():
-            if box not in moved and box not in action.args:
-                self._failures[action][box] += refused / (len(attempt.rejections) + 1)
+            if box in unmoved:
+                self._failures[action][box] += refused / attempt.tried
         found = (box for box in self._failures[action] if self._expected_failures(action, box) >= self._patience)
         self._found[action] = frozenset(found)
 

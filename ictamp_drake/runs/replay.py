@@ -53,4 +53,4 @@ def starts(attempts: Sequence[Attempt[Configuration]]) -> list[float]:
 
 def duration(attempts: Sequence[Attempt[Configuration]]) -> float:
     """How long the motions of a plan take, one right after the other [s]."""
-    return sum(segment.duration for attempt in attempts for segment in attempt.motion)
+    return sum(attempt.duration for attempt in attempts)

@@ -2,10 +2,10 @@
 
 import math
 from collections import deque
-from itertools import pairwise
+from collections.abc import Collection, Iterator
 from typing import Protocol
 
-from ictamp_drake.core.types import Atom, State
+from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import MOVED, beneath, held_box, supporters
 from ictamp_drake.symbolic.domain import Domain
 
@@ -75,21 +75,27 @@ class BreadthFirstDistance:
 class MoveCount:
     """A lower bound from the towers alone, times a weight: two actions for each move that cannot be avoided.
 
-    A box must move when it is not where the goal wants it, when it is where the goal wants another box, when the goal
-    wants it moved, or when it rests on a box that must move. It must move twice when a box that must move is beneath it
-    now and in the goal: it has to leave before that box does, and can take its place only after. The bound never falls
-    by more than one an action, so with weight 1 plans come in order of their length; more weight means fewer nodes and
-    longer plans.
+    A box must move when it is not where the goal wants it, when it is where the goal wants another box, when it is in
+    the way of an action that cannot be avoided, or when it rests on a box that must move. It must move twice when a box
+    that must move is beneath it now and in the goal: it has to leave before that box does, and can take its place only
+    after. The bound never falls by more than one an action, so with weight 1 plans come in order of their length; more
+    weight means fewer nodes and longer plans.
     """
 
     horizon = math.inf
 
-    def __init__(self, domain: Domain, goal: frozenset[Atom], weight: float) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        goal: frozenset[Atom],
+        weight: float,
+        obstructions: Collection[Obstruction] = frozenset(),
+    ) -> None:
         self._weight = weight
         self._goal = goal
+        self._obstructions = obstructions
         self._known: dict[State, float] = {}
-        self._to_be_moved = frozenset(atom for atom in goal if atom.predicate == MOVED)
-        self._target = {atom.args[0]: atom.args[1] for atom in goal - self._to_be_moved}
+        self._target = {atom.args[0]: atom.args[1] for atom in goal}
         self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
         self._beneath_in_goal = {box: frozenset(beneath(box, self._target)) for box in self._target}
 
@@ -105,8 +111,7 @@ class MoveCount:
         if self._goal <= state:
             return 0
         supporter = supporters(state)
-        unmoved = {atom.args[0] for atom in self._to_be_moved - state}
-        to_move = {box for box in supporter if self._must_move(box, supporter, unmoved)}
+        to_move = self._to_move(state, supporter)
         actions = 2 * len(to_move)
         actions += sum(2 for box in to_move if self._must_move_twice(box, supporter, to_move))
         held = held_box(state)
@@ -114,9 +119,24 @@ class MoveCount:
             actions += 1 if self._can_be_placed(held, supporter, to_move) else 3
         return actions
 
-    def _must_move(self, box: str, supporter: dict[str, str], unmoved: set[str]) -> bool:
+    def _to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
+        in_the_way, before = set[str](), None
+        while in_the_way != before:
+            to_move = {box for box in supporter if self._must_move(box, supporter, in_the_way)}
+            in_the_way, before = set(self._in_the_way(state, supporter, to_move)), in_the_way
+        return to_move
+
+    def _in_the_way(self, state: State, supporter: dict[str, str], to_move: set[str]) -> Iterator[str]:
+        """Of the one action that picks up a box that must move, or the one that puts a box where the goal wants it."""
+        for (name, (box, place)), obstacle in self._obstructions:
+            there, moves = supporter.get(box) == place, box in to_move
+            needed = there and moves if name == "pick" else self._target.get(box) == place and (moves or not there)
+            if needed and Atom(MOVED, (obstacle,)) not in state:
+                yield obstacle
+
+    def _must_move(self, box: str, supporter: dict[str, str], in_the_way: set[str]) -> bool:
         tower = (box, *beneath(box, supporter))
-        return not unmoved.isdisjoint(tower) or any(self._misplaced(upper, lower) for upper, lower in pairwise(tower))
+        return not in_the_way.isdisjoint(tower) or any(map(self._misplaced, tower, tower[1:]))
 
     def _misplaced(self, box: str, below: str) -> bool:
         return self._target.get(box, below) != below or self._occupant.get(below, box) != box

@@ -151,8 +151,8 @@ class PlanStream:
 class Detours:
     """A stream of plans, and beside it one for each set of obstructions, of plans that move them first.
 
-    Such a plan moves each box at least once, if only to another place on what it stands on, and before the action that
-    it hinders. Nothing says that it will be out of the way then; that is the affair of the steps.
+    Such a plan does without the hindered action, or moves the box before it, if only to another place on what it stands
+    on. Nothing says that it will be out of the way then; that is the affair of the steps. No plan is given twice.
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
@@ -162,6 +162,7 @@ class Detours:
         self._plain = PlanStream(domain, initial, goal, guide)
         self._around: dict[frozenset[Obstruction], PlanStream] = {}
         self._barren: set[frozenset[Obstruction]] = set()
+        self._given: set[Skeleton] = set()
 
     @property
     def exhausted(self) -> bool:
@@ -180,14 +181,22 @@ class Detours:
         """
         obstructions = frozenset(filter(self._can_be_moved_first, obstructions))
         if not obstructions or obstructions in self._barren:
-            return self._plain.next_plan(max_expansions)
+            return self._next_new(self._plain, max_expansions)
         if obstructions not in self._around:
             self._around[obstructions] = self._stream_around(obstructions)
-        plan = self._around[obstructions].next_plan(max_expansions)
+        plan = self._next_new(self._around[obstructions], max_expansions)
         if plan is None:
             self._barren.add(obstructions)
-            return None
-        return Skeleton(tuple(map(_without_moved, plan.states)), plan.actions)
+        return plan
+
+    def _next_new(self, stream: PlanStream, max_expansions: int) -> Skeleton | None:
+        limit = stream.expanded + max_expansions
+        while (plan := stream.next_plan(limit - stream.expanded)) is not None:
+            plan = Skeleton(tuple(map(_without_moved, plan.states)), plan.actions)
+            if plan not in self._given:
+                self._given.add(plan)
+                return plan
+        return None
 
     def _can_be_moved_first(self, obstruction: Obstruction) -> bool:
         """No support can be moved, nor a box before what is on top of it is picked up."""
@@ -196,8 +205,8 @@ class Detours:
 
     def _stream_around(self, obstructions: frozenset[Obstruction]) -> PlanStream:
         domain = self._domain.minding(obstructions)
-        goal = self._goal | {Atom(MOVED, (box,)) for _, box in obstructions}
-        return PlanStream(domain, self._initial, goal, MoveCount(domain, goal, weight=1.0))
+        guide = MoveCount(domain, self._goal, weight=1.0, obstructions=obstructions)
+        return PlanStream(domain, self._initial, self._goal, guide)
 
 
 def _skeleton(path: _Path) -> Skeleton:

@@ -3,21 +3,27 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, Obstruction, Skeleton
+from ictamp_drake.core.types import Action, Atom, Attempt, GripperCommand, Motion, Obstruction, Segment, Skeleton
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction
 
 WORLD = ToyWorld(size=(1, 1))
 RIGHT_UP, UP_RIGHT = WORLD.plans()
-CONFIG = BeliefsConfig(strength=2.0, duration=1.0, step=0.0)
+CONFIG = BeliefsConfig(strength=2.0, effort=1.0, trying=1e-9, simulating=1.0)
 CELLS = {RIGHT: (1, 0), UP: (0, 1)}
+
+
+def motion(duration: float) -> Motion:
+    """One that takes so long [s]."""
+    return (Segment("stay", duration, GripperCommand(0.08), 1, np.array([0.0, duration]), np.zeros((1, 7))),)
 
 
 class Search:
@@ -30,12 +36,12 @@ class Search:
         for plan in (RIGHT_UP, UP_RIGHT):
             self.tree.record_opening(plan, 1)
 
-    def attempt(self, node: int, plan: int, success: bool, seconds: float = 1.0, **more: Any) -> None:
+    def attempt(self, node: int, plan: int, success: bool, duration: float = 1.0, **more: Any) -> None:
         action: Action = self.tree.plans[plan].actions[0]
         x, y = self.tree.nodes[node].c.cell
         successor = ToyConfiguration((x + CELLS[action][0], y + CELLS[action][1]), 0.1)
         failure = None if success else Failure.SLIPPED
-        attempt = Attempt(action, failure, successor, seconds={"physics": seconds}, **more)
+        attempt = Attempt(action, failure, successor, motion=motion(duration), **more)
         self.beliefs.learn(self.tree, self.tree.record_step(node, plan, attempt))
 
     def remaining(self, node: int, plan: int) -> float:
@@ -107,7 +113,7 @@ def test_what_was_estimated_of_an_action_elsewhere_is_expected_of_it_and_not_of_
 
 
 def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> None:
-    start = abstraction(WORLD.start)
+    start = abstraction(WORLD.start) | {Atom("on", ("tall", "table"))}
     low, aside = Action("pick", ("low", "table")), Action("push", ("tall", "table"))
     tree = Tree(WORLD.start, start)
     tree.record_opening(Skeleton((start, start), (low,)), 1)
@@ -117,7 +123,7 @@ def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> Non
     assert beliefs.obstructions([aside, low]) == frozenset()
     for _ in range(2):
         failure = Attempt[ToyConfiguration](
-            low, Failure.GOAL_IN_COLLISION, seconds={"motion": 1.0}, obstacles=("tall",)
+            low, Failure.GOAL_IN_COLLISION, motion=motion(1.0), obstacles=("tall", "link6", "table")
         )
         beliefs.learn(tree, tree.record_step(ROOT, 0, failure))
     assert beliefs.obstructions([aside, low]) == {Obstruction(low, "tall")}
@@ -126,20 +132,20 @@ def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> Non
     assert around == pytest.approx(fresh[1])
 
 
-def test_failures_and_successes_take_their_own_time() -> None:
+def test_failures_and_successes_take_their_own_effort() -> None:
     search = Search()
-    search.attempt(ROOT, 0, success=True, seconds=3.0)
-    search.attempt(ROOT, 0, success=False, seconds=0.1)
+    search.attempt(ROOT, 0, success=True, duration=3.0)
+    search.attempt(ROOT, 0, success=False, duration=0.1)
     right = 3.0 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
     assert search.remaining(ROOT, 0) == pytest.approx(right + 1 / CONFIG.hope)
 
 
-def test_a_step_counts_for_more_than_its_computing_time() -> None:
-    search = Search(replace(CONFIG, step=0.1))
-    search.attempt(ROOT, 0, success=True, seconds=3.0)
-    search.attempt(ROOT, 0, success=False, seconds=0.0)
-    right = 3.1 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
-    assert search.remaining(ROOT, 0) == pytest.approx(right + (CONFIG.duration + 0.1) / CONFIG.hope)
+def test_each_k_is_an_effort_besides_the_motion() -> None:
+    search = Search(replace(CONFIG, trying=0.1))
+    search.attempt(ROOT, 0, success=True, duration=3.0, rejections=(Failure.NO_PATH,) * 3)
+    search.attempt(ROOT, 0, success=False, duration=0.0)
+    right = 3.4 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
+    assert search.remaining(ROOT, 0) == pytest.approx(right + CONFIG.effort / CONFIG.hope)
 
 
 def test_a_plan_that_was_refused_as_a_whole_counts_as_a_failure_of_its_last_action() -> None:
@@ -175,14 +181,14 @@ def test_a_failure_at_an_obstacle_is_blamed_on_the_steps_that_put_things_there()
 def test_a_failure_makes_a_plan_look_further_away_and_a_success_nearer(
     outcomes: list[bool], right: float, strength: float
 ) -> None:
-    search = Search(BeliefsConfig(strength=strength, duration=1.0), right=right)
+    search = Search(replace(CONFIG, strength=strength), right=right)
     for success in outcomes:
         before = search.remaining(ROOT, 0)
         search.attempt(ROOT, 0, success)
         assert search.remaining(ROOT, 0) <= before + 1e-9 if success else search.remaining(ROOT, 0) >= before - 1e-9
 
 
-@pytest.mark.parametrize("name", ["strength", "floor", "hope", "duration", "patience"])
+@pytest.mark.parametrize("name", ["strength", "floor", "hope", "effort", "trying", "simulating", "patience"])
 def test_a_constant_of_zero_is_refused_by_name(name: str) -> None:
     with pytest.raises(IctampError, match=f"{name} of the beliefs is 0.0, but must be more than 0"):
         BeliefsConfig(**{name: 0.0})
@@ -194,12 +200,7 @@ def test_what_is_no_probability_is_refused_by_name(name: str) -> None:
         BeliefsConfig(**{name: 5.0})
 
 
-@pytest.mark.parametrize("name", ["strength", "duration", "step"])
+@pytest.mark.parametrize("name", ["strength", "effort", "trying", "simulating"])
 def test_an_infinite_constant_is_refused_by_name(name: str) -> None:
     with pytest.raises(IctampError, match=f"{name} of the beliefs is inf, but must be finite"):
         BeliefsConfig(**{name: float("inf")})
-
-
-def test_a_constant_below_zero_is_refused_by_name() -> None:
-    with pytest.raises(IctampError, match=r"step of the beliefs is -0\.1, but must be 0 or more"):
-        BeliefsConfig(step=-0.1)

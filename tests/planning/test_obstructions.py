@@ -5,7 +5,9 @@ import math
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Obstruction
 from ictamp_drake.planning.obstructions import Obstructions, moved_by
+from tests.symbolic.towers import state
 
+INITIAL = state([("table", "low"), ("table", "tall"), ("table", "other")])
 PICK = Action("pick", ("low", "table"))
 PLACE = Action("place", ("low", "shelf"))
 ASIDE = (Action("pick", ("tall", "table")), Action("place", ("tall", "table")))
@@ -21,10 +23,10 @@ class Search:
         first, *rejections = [Failure.GOAL_IN_COLLISION] * len(obstacles)
         for _ in range(times):
             attempt = Attempt[object](PICK, first, rejections=tuple(rejections), obstacles=obstacles)
-            self.obstructions.learn(way, attempt, success=False)
+            self.obstructions.learn(INITIAL, way, attempt, success=False)
 
     def succeed(self, way: tuple[Action, ...] = ()) -> None:
-        self.obstructions.learn(way, Attempt[object](PICK, None), success=True)
+        self.obstructions.learn(INITIAL, way, Attempt[object](PICK, None), success=True)
 
 
 def test_a_box_at_which_an_action_fails_again_and_again_is_in_its_way() -> None:
@@ -55,6 +57,12 @@ def test_a_box_that_was_moved_is_not_where_it_stood_at_first() -> None:
 def test_what_an_action_itself_speaks_of_is_not_in_its_way() -> None:
     search = Search()
     search.fail("low", "table", times=9)
+    assert search.obstructions.boxes(PICK) == frozenset()
+
+
+def test_what_cannot_be_moved_is_not_in_its_way() -> None:
+    search = Search()
+    search.fail("rack", "link6", times=9)
     assert search.obstructions.boxes(PICK) == frozenset()
 
 

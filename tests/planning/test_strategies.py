@@ -8,6 +8,7 @@ import pytest
 
 from ictamp_drake.core.types import Attempt
 from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.rule import RuleConfig
@@ -18,6 +19,9 @@ CHAIN = ToyWorld(size=(6, 0), success=0.5)
 """One plan whose steps only need patience: the best is to repeat the last one, which takes 6 / 0.5 steps on average."""
 BLOCKED = ToyWorld(size=(3, 3), walls=((2, 0), (1, 1), (0, 3)))
 """Three of twenty plans lead to the goal, in 6 steps: the best is to leave the others after one look."""
+
+ADAPTIVE = AdaptiveConfig(BeliefsConfig(trying=0.5))
+"""In the toy world nothing moves, so all of a step's effort is that of its k."""
 
 
 @dataclass(frozen=True)
@@ -41,24 +45,24 @@ def steps(world: ToyWorld, rule: RuleConfig, searches: int = 60) -> float:
 
 def test_where_patience_is_all_that_helps_effort_belongs_at_the_end_of_the_plan() -> None:
     best = CHAIN.size[0] / CHAIN.success
-    adaptive, paper = steps(CHAIN, AdaptiveConfig()), steps(CHAIN, ProportionalConfig())
+    adaptive, paper = steps(CHAIN, ADAPTIVE), steps(CHAIN, ProportionalConfig())
     round_robin, uniform = steps(CHAIN, RoundRobinConfig()), steps(CHAIN, UniformAllocationConfig())
     assert adaptive == pytest.approx(best, rel=0.15)
     assert 1.5 * adaptive < paper < round_robin < uniform
 
 
 def test_where_most_plans_are_blocked_effort_belongs_to_new_plans() -> None:
-    adaptive, paper = steps(BLOCKED, AdaptiveConfig(), 20), steps(BLOCKED, ProportionalConfig(), 20)
+    adaptive, paper = steps(BLOCKED, ADAPTIVE, 20), steps(BLOCKED, ProportionalConfig(), 20)
     assert 2 * adaptive < paper < steps(BLOCKED, RoundRobinConfig(), 20)
 
 
 def test_a_door_that_needs_another_k_sends_the_search_back_a_step() -> None:
     """Of the offsets drawn before the door 0.3 let one in, so a step and a try cost 1 / 0.3 of what they cost alone."""
     narrow = ToyWorld(size=(3, 0), doors={(3, 0): 0.3}, max_plans=1)
-    assert steps(narrow, AdaptiveConfig()) < 2.5 * (1 + 2 / 0.3)
+    assert steps(narrow, ADAPTIVE) < 2.5 * (1 + 2 / 0.3)
 
 
 def test_a_step_that_decided_long_before_it_mattered_is_found() -> None:
     """Nothing after the step into cell 2 helps; the paper's rule spreads its effort, so it finds the way in the end."""
     corridor = Corridor(doors={(6, 0): 0.3})
-    assert 1.3 * steps(corridor, AdaptiveConfig()) < steps(corridor, ProportionalConfig())
+    assert 1.3 * steps(corridor, ADAPTIVE) < steps(corridor, ProportionalConfig())

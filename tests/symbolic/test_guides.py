@@ -6,11 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.core.types import Action, Atom, Obstruction, State
-from ictamp_drake.symbolic.atoms import MOVED
+from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount
-from tests.symbolic.towers import LEVELS, Problem, problems, standing, state
+from tests.symbolic.towers import LEVELS, Problem, in_the_way, problems, standing, state
 
 
 def distances(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, float]:
@@ -38,12 +37,11 @@ def test_the_move_count_never_exceeds_the_distance_and_falls_by_one_at_most(prob
         assert all(guide.remaining(after) >= guide.remaining(s) - 1 for _, after in domain.successors(s))
 
 
-@given(problem=problems(boxes=3), in_the_way=st.sets(st.sampled_from(["box_0", "box_1", "box_2"])))
-def test_so_it_is_with_boxes_that_are_to_be_moved(problem: Problem, in_the_way: set[str]) -> None:
-    boxes = in_the_way & {*problem.boxes}
-    obstructions = {Obstruction(Action("place", (problem.boxes[0], problem.supports[0])), box) for box in boxes}
-    domain, goal = problem.domain.minding(obstructions), problem.goal | {Atom(MOVED, (box,)) for box in boxes}
-    guide = MoveCount(domain, goal, weight=1)
+@given(data=st.data(), problem=problems(boxes=3))
+def test_so_it_is_with_boxes_in_the_way(data: st.DataObject, problem: Problem) -> None:
+    obstructions = data.draw(in_the_way(problem))
+    domain, goal = problem.domain.minding(obstructions), problem.goal
+    guide = MoveCount(domain, goal, weight=1, obstructions=obstructions)
     for s, distance in distances(domain, problem.initial, goal).items():
         assert guide.remaining(s) <= distance
         assert all(guide.remaining(after) >= guide.remaining(s) - 1 for _, after in domain.successors(s))

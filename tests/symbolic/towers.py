@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from hypothesis import strategies as st
 
-from ictamp_drake.core.types import Atom, State
+from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, LYING, ON, TIPPED, UPRIGHT, tipped_boxes
 from ictamp_drake.symbolic.domain import Domain
 
@@ -83,3 +83,12 @@ def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2) -> Problem:
     final = frozenset[Atom]().union(*(standing(tower, tipped) for tower in towers))
     goal = frozenset(draw(st.sets(st.sampled_from(sorted(final)), min_size=1)))
     return Problem(box_names, support_names, state(draw(arrangements(box_names, support_names)), sorted(tipped)), goal)
+
+
+def in_the_way(problem: Problem) -> st.SearchStrategy[frozenset[Obstruction]]:
+    """One or two things in the way of actions of the problem, the impossible ones among them."""
+    actions = [ground.action for ground in problem.domain.actions]
+    things = [*problem.boxes, *problem.supports]
+    return st.frozensets(
+        st.builds(Obstruction, st.sampled_from(actions), st.sampled_from(things)), min_size=1, max_size=2
+    )
