@@ -149,14 +149,25 @@ LOT = ParkingLot(
 )
 
 
-def parked(patience: float = BeliefsConfig().patience) -> PlanningResult[Parked]:
+TINY = ParkingLot(
+    Problem(
+        ("low", "tall"),
+        ("table",),
+        state([("table", box) for box in ("low", "tall")]),
+        frozenset({Atom(ON, ("low", "tall"))}),
+    ),
+    {"low": "tall"},
+)
+
+
+def parked(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) -> PlanningResult[Parked]:
     """A search in the parking lot."""
     config = PlannerConfig(Budget(60.0, 200), rule=replace(RULE, beliefs=replace(RULE.beliefs, patience=patience)))
     return config.create(
-        c=Parked(LOT.problem.initial),
+        c=Parked(lot.problem.initial),
         abstraction=lambda c: c.s,
-        generator=BreadthFirst().create(LOT.problem.domain, LOT.problem.initial, LOT.problem.goal),
-        skills=LOT,
+        generator=BreadthFirst().create(lot.problem.domain, lot.problem.initial, lot.problem.goal),
+        skills=lot,
         estimator=ConstantConfig().create(),
         verify=lambda _: True,
         rng=np.random.default_rng(0),
@@ -176,6 +187,19 @@ def test_boxes_of_which_the_goal_does_not_speak_are_moved_out_of_the_way(patienc
             ("low", "table"),
         ]
         assert result.low_level_steps <= 60
+
+
+def test_boxes_are_moved_out_of_the_way_when_no_plain_plan_is_left() -> None:
+    result = parked(patience=20.0, lot=TINY)
+    assert result.tree.exhausted
+    assert result.solved
+
+
+def test_where_a_box_cannot_be_moved_out_of_the_way_no_more_plans_are_asked_for() -> None:
+    """Each is in the way of the other, so no plan moves both first."""
+    result = parked(lot=replace(TINY, in_the_way={"low": "tall", "tall": "low"}))
+    assert not result.solved
+    assert len(result.tree.openings) <= 6
 
 
 @pytest.mark.parametrize("hash_seed", [1, 2])
