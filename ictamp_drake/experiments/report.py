@@ -7,7 +7,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs import results_table
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.runs.files import make_folder, read_json, write_whole
+from ictamp_drake.runs.pace import at_equal_pace
 from ictamp_drake.runs.regime import Regime, read_regime
 from ictamp_drake.runs.results_page import Chapter, page
 from ictamp_drake.scenes.checks import check_choice
@@ -63,8 +64,9 @@ def report(options: Report, console: Console, typed: str) -> int:
         IctampError: a folder holds no runs or broken ones, two have the same name, no strategy has the name, the
             search is no record of one, or the folder for the page cannot be written.
     """
-    regimes, out = _regimes(options.runs), options.out
-    against = _against(options.against, regimes)
+    measured, out = _regimes(options.runs), options.out
+    against = _against(options.against, measured)
+    regimes = [_at_equal_pace(regime, against) for regime in measured]
     search = _tree(options.search) if options.search.is_file() else None
     make_folder(out)
     chapters = [_chapter(regime, against, out) for regime in regimes]
@@ -94,7 +96,15 @@ def _chapter(regime: Regime, against: str, out: Path) -> Chapter:
         figures["depths"] = partial(depths, regime.runs)
     write_figures({f"{regime.name}_{what}.png": draw for what, draw in figures.items()}, out)
     pictures = {what: f"{out.name}/{regime.name}_{what}.png" for what in figures}
-    return Chapter.create(regime, against if against in regime.strategies else regime.strategies[0], pictures)
+    return Chapter.create(regime, _reference(regime, against), pictures)
+
+
+def _at_equal_pace(regime: Regime, against: str) -> Regime:
+    return replace(regime, runs=at_equal_pace(regime.runs, _reference(regime, against)))
+
+
+def _reference(regime: Regime, against: str) -> str:
+    return against if against in regime.strategies else regime.strategies[0]
 
 
 def _tree(path: Path) -> dict[str, Any]:

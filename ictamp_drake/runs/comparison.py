@@ -18,7 +18,7 @@ LEAST = 6
 """Problems that an interval needs: of five that all differ in one direction, 1 in 16 samples would by chance alone."""
 
 KNOWN = 0.75
-"""Share of the runs of which the machine's pace must be known, so that times at equal pace are of the same problems."""
+"""Share of the runs of which the machine's pace must be known for times to be compared at equal pace."""
 
 ALL = "all levels"
 PROBLEM = ["level", "problem"]
@@ -37,11 +37,10 @@ class Comparison:
         only: how many of them only the strategy solved, and how many only the reference.
         p: probability of so uneven a split of these if both were equally good, see `even_split`.
         both: problems that both solved with the same seed.
-        time, steps: median over these of the strategy's time and low-level steps as a multiple of the reference's, see
-            `ratio`; None when there are no such problems.
-        pace: the same of the computing time for a second of the plan, far from 1 when the machine was not equally fast
-            for both; None, too, when it is known of fewer than `KNOWN` of the runs.
-        paced: the same of the time divided by that, which leaves the machine out.
+        pace: median over these of the computing time for a second of the plan as a multiple of the reference's, far
+            from 1 when the machine was not equally fast for both; see `ratio`. None when there are no such problems, or
+            when it is known of fewer than `KNOWN` of the runs.
+        time, steps: the same of time, divided by the pace where that is known, and of low-level steps.
     """
 
     level: str
@@ -52,10 +51,9 @@ class Comparison:
     only: tuple[int, int]
     p: float
     both: int
+    pace: Interval | None
     time: Interval | None
     steps: Interval | None
-    pace: Interval | None
-    paced: Interval | None
 
 
 def compared(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparison]:
@@ -80,10 +78,9 @@ def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) 
         only=(int((pairs["difference"] > 0).sum()), int((pairs["difference"] < 0).sum())),
         p=even_split(pairs.groupby(PROBLEM, observed=True)["difference"].sum().tolist()),
         both=len(both[PROBLEM].drop_duplicates()),
-        time=ratio(both, "seconds"),
-        steps=ratio(both, "steps"),
         pace=ratio(both, "pace") if known else None,
-        paced=ratio(both, "paced") if known else None,
+        time=ratio(both, "paced" if known else "seconds"),
+        steps=ratio(both, "steps"),
     )
 
 

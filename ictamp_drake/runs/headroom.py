@@ -7,6 +7,7 @@ gain, as every plan is executed at least twice: step by step when it is found, a
 
 from collections.abc import Callable
 
+import numpy as np
 import pandas as pd
 
 from ictamp_drake.runs.comparison import PROBLEM, compared
@@ -21,13 +22,14 @@ def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) 
     """The bound as a multiple of each strategy's time, a column a level; in Markdown, nothing of a single strategy.
 
     Args:
-        runs: see `regime.tabulated`.
+        runs: see `regime.tabulated`, with times as `pace.at_equal_pace` has them.
         bound: one of the functions below.
     """
     strategies = list(runs["strategy"].cat.categories)
     if len(strategies) < 2:
         return []
-    both = pd.concat([runs, bound(runs).assign(strategy=NAME)])
+    without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # times are at equal pace, or the bound is none
+    both = pd.concat([runs, without_pace])
     comparisons = {name: compared(both, NAME, name) for name in strategies}
     levels = [each.level for each in comparisons[strategies[0]]]
     rows = [[name, *(shown_ratio(each.time) for each in of)] for name, of in comparisons.items()]

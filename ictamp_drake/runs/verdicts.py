@@ -34,12 +34,11 @@ HEADINGS = (
     "p",
     "p (Holm)",
     "problems both solved",
+    "pace ratio (95 %)",
     "time ratio (95 %)",
-    "at equal pace (95 %)",
     "time",
     "steps ratio (95 %)",
     "steps",
-    "pace ratio (95 %)",
 )
 
 
@@ -79,13 +78,6 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
     return less if interval.high < 1 else more if interval.low > 1 else NOT_SHOWN
 
 
-def time_verdict(comparison: Comparison) -> str:
-    """What the ratio of times shows; nothing when it shows that no more at equal pace."""
-    found = verdict(comparison.time, *TIME)
-    confirmed = comparison.paced is None or verdict(comparison.paced, *TIME) == found
-    return found if confirmed or found not in TIME else NOT_SHOWN
-
-
 def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
     """Every difference that is shown: 1 where the strategy is better and -1 where it is worse, and the figures."""
     shown = []
@@ -94,10 +86,9 @@ def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
         this, other = comparison.solved
         solves = f"solves {'more' if sign > 0 else 'fewer'}, {this} against {other} of {comparison.pairs}"
         shown.append((sign, f"{solves}, p = {probability(p)}".replace("= <", "<")))
-    time, steps = time_verdict(comparison), verdict(comparison.steps, *STEPS)
+    time, steps = verdict(comparison.time, *TIME), verdict(comparison.steps, *STEPS)
     if time in TIME:
-        paced = f", {shown_ratio(comparison.paced)} at equal pace" if comparison.paced else ""
-        shown.append((1 if time == TIME[0] else -1, f"{shown_ratio(comparison.time)} of the time{paced}"))
+        shown.append((1 if time == TIME[0] else -1, f"{shown_ratio(comparison.time)} of the time"))
     if steps in STEPS:
         shown.append((1 if steps == STEPS[0] else -1, f"{shown_ratio(comparison.steps)} of the steps"))
     return shown
@@ -113,12 +104,11 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
         probability(comparison.p),
         probability(p),
         str(comparison.both),
+        shown_ratio(comparison.pace),
         shown_ratio(comparison.time),
-        shown_ratio(comparison.paced),
-        time_verdict(comparison),
+        verdict(comparison.time, *TIME),
         shown_ratio(comparison.steps),
         verdict(comparison.steps, *STEPS),
-        shown_ratio(comparison.pace),
     ]
 
 

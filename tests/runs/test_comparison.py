@@ -114,7 +114,7 @@ def test_the_pace_is_told_where_it_is_known_of_most_runs(unknown: int, told: boo
     records[:unknown] = [replace(record, plan_duration_s=None) for record in records[:unknown]]
     found = only(compared(table(*records), "a", "b"))
     assert found.both == 12
-    assert (found.pace is not None, found.paced is not None) == (told, told)
+    assert (found.pace is not None) == told
 
 
 def test_the_pace_is_that_of_the_machine_whatever_the_plans_take() -> None:
@@ -123,10 +123,13 @@ def test_the_pace_is_that_of_the_machine_whatever_the_plans_take() -> None:
     found = only(compared(table(slow, fast), "a", "b"))
     assert found.pace is not None
     assert found.pace.value == pytest.approx(2.0)
-    assert found.paced is not None
-    assert found.paced.value == pytest.approx(3.0 / 2.0)
-    for other in (run("b", 0), run("b", 0, replay_time_s=0.1, plan_duration_s=0.0)):
-        assert only(compared(table(slow, other), "a", "b")).pace is None
+    assert found.time is not None
+    assert found.time.value == pytest.approx(3.0 / 2.0)
+    for other in (run("b", 0, 3.0), run("b", 0, 3.0, replay_time_s=0.1, plan_duration_s=0.0)):
+        found = only(compared(table(slow, other), "a", "b"))
+        assert found.pace is None
+        assert found.time is not None
+        assert found.time.value == pytest.approx(3.0)
 
 
 def test_runs_without_steps_have_no_ratio_of_steps() -> None:

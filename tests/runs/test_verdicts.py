@@ -7,10 +7,10 @@ import pytest
 
 from ictamp_drake.learning.accuracy import Interval
 from ictamp_drake.runs.comparison import Comparison
-from ictamp_drake.runs.verdicts import probability, rows, summary, time_verdict, verdict
+from ictamp_drake.runs.verdicts import probability, rows, summary, verdict
 
 FASTER, EVEN, SLOWER = Interval(0.71, 0.6, 0.84), Interval(1.0, 0.9, 1.1), Interval(1.4, 1.2, 1.6)
-SAME = Comparison("medium", "X", "Y", 37, (37, 37), (0, 0), 1.0, 37, EVEN, Interval(1.0, 1.0, 1.0), None, None)
+SAME = Comparison("medium", "X", "Y", 37, (37, 37), (0, 0), 1.0, 37, None, EVEN, Interval(1.0, 1.0, 1.0))
 
 
 def test_the_faster_one_is_better() -> None:
@@ -19,18 +19,6 @@ def test_the_faster_one_is_better() -> None:
         "",
         "- `X`: medium (0.71 (0.60 to 0.84) of the time)",
     ]
-
-
-def test_who_is_faster_must_be_so_at_equal_pace() -> None:
-    paced = replace(SAME, time=FASTER, paced=Interval(0.8, 0.7, 0.9))
-    assert (
-        summary([paced], [1.0])[-1]
-        == "- `X`: medium (0.71 (0.60 to 0.84) of the time, 0.80 (0.70 to 0.90) at equal pace)"
-    )
-    for other in (EVEN, SLOWER, Interval(0.8, math.nan, math.nan)):
-        assert time_verdict(replace(SAME, time=FASTER, paced=other)) == "no difference shown"
-    assert time_verdict(replace(SAME, time=SLOWER, paced=SLOWER)) == "slower"
-    assert time_verdict(replace(SAME, paced=FASTER)) == "no difference shown"
 
 
 def test_the_slower_one_that_solves_more_is_both() -> None:
@@ -92,12 +80,11 @@ def test_a_ratio_is_put_plainly(interval: Interval | None, text: str) -> None:
 
 
 def test_the_table_holds_what_the_summary_says() -> None:
-    faster = replace(SAME, time=FASTER, pace=SLOWER, paced=FASTER)
+    faster = replace(SAME, time=FASTER, pace=SLOWER)
     lines = rows([faster, replace(SAME, time=None, steps=None, both=0)], [1.0, 1.0])
-    ratios = "| 0.71 (0.60 to 0.84) | 0.71 (0.60 to 0.84) | faster |"
+    ratios = "| 1.40 (1.20 to 1.60) | 0.71 (0.60 to 0.84) | faster |"
     assert f"| medium | X | 37 | 37 and 37 | 0 | 0 | 1 | 1 | 37 {ratios}" in lines[2]
-    assert lines[2].endswith("| 1.40 (1.20 to 1.60) |")
-    assert lines[3].endswith("| 0 | - | - | no problem in common | - | no problem in common | - |")
+    assert lines[3].endswith("| 0 | - | - | no problem in common | - | no problem in common |")
 
 
 @pytest.mark.parametrize(("p", "text"), [(1.0, "1"), (0.3769, "0.38"), (0.00012, "0.00012"), (1e-6, "< 0.0001")])
