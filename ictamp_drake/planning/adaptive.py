@@ -44,7 +44,7 @@ class AdaptiveConfig:
 
 
 class Adaptive(Generic[C]):
-    """Runs what is believed to be finished first, and opens a plan when that is likely to save time.
+    """Runs what is believed to take the least effort, and opens a plan when that is likely to save some.
 
     A new plan is hoped to be as good as the latest one was before anything failed. Whether that comes true is learned,
     for each set of boxes that are to be moved first: W, the worth of opening, is 1 / (2 + openings in vain) of the

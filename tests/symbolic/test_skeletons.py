@@ -187,7 +187,7 @@ def test_plans_around_obstructions_move_them_first(config: Config, data: st.Data
     plan = create(config, problem).next_plan(500, obstructions)
     if plan is not None:
         assert plan.states[0] == problem.initial
-        assert problem.goal <= plan.states[-1]
+        assert [problem.goal <= s for s in plan.states] == [False] * len(plan) + [True]
         for before, action, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
             assert problem.domain.successor(before, action) == after
     for action, box in obstructions if plan is not None else ():
@@ -195,6 +195,16 @@ def test_plans_around_obstructions_move_them_first(config: Config, data: st.Data
         lifted = any(name == "pick" and moved == box for name, (moved, _) in plan.actions[:first])
         above = action.name == "pick" and box in beneath(action.args[0], supporters(problem.initial))
         assert lifted or above or box in problem.supports or action not in plan.actions
+
+
+@each_config
+@settings(max_examples=30)
+@given(data=st.data(), problem=problems(boxes=3))
+def test_no_plan_is_given_twice_whatever_is_in_the_way(config: Config, data: st.DataObject, problem: Problem) -> None:
+    generator, asked = create(config, problem), [data.draw(in_the_way(problem)), frozenset[Obstruction]()]
+    plans = [generator.next_plan(200, asked[call % 2]) for call in range(20)]
+    found = [plan.actions for plan in plans if plan is not None]
+    assert len(set(found)) == len(found)
 
 
 PARKED = Problem(
