@@ -54,7 +54,7 @@ class BeliefsConfig:
 class Beliefs(Generic[C]):
     """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
 
-    Effort is about the computing time, but counted, not measured, so that a search is the same on every machine.
+    Effort is about the computing time, but counted, not measured: a search must not depend on the speed of the machine.
 
     Once boxes are known to be in the way of a, all its edges are one, and another one where they have been moved.
 

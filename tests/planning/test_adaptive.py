@@ -89,6 +89,16 @@ def test_opening_stops_paying_when_new_plans_are_no_better_and_cost_effort() -> 
     assert 1 <= dear.high_level_plans < cheap.high_level_plans
 
 
+def test_the_search_does_not_depend_on_the_speed_of_the_machine() -> None:
+    world = ToyWorld(size=(3, 3), success=0.6, walls=((2, 0), (1, 1)))
+    fast, slow = (
+        toy_planner(replace(world, seconds=seconds), rule=RULE, clock=TickingClock(seconds), seconds=1e6).run()
+        for seconds in (1e-3, 10.0)
+    )
+    assert slow.tree.to_dict() == fast.tree.to_dict()
+    assert slow.low_level_steps > 10
+
+
 def test_a_negative_cost_of_opening_is_refused() -> None:
     with pytest.raises(IctampError, match=r"opening of adaptive allocation is -0\.1, but must be 0 or more"):
         AdaptiveConfig(opening=-0.1)
