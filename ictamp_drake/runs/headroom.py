@@ -28,7 +28,7 @@ def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) 
     strategies = list(runs["strategy"].cat.categories)
     if len(strategies) < 2:
         return []
-    without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # times are at equal pace, or the bound is none
+    without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # its times are at equal pace already
     both = pd.concat([runs, without_pace])
     comparisons = {name: compared(both, NAME, name) for name in strategies}
     levels = [each.level for each in comparisons[strategies[0]]]
