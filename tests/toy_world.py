@@ -18,6 +18,8 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Estimator, PlanParameters
 from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Obstruction, Parameter, Skeleton, State
 from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import Budget, Planner, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
@@ -27,6 +29,8 @@ from ictamp_drake.planning.tree import Tree
 Cell = tuple[int, int]
 RIGHT, UP = Action("right", ()), Action("up", ())
 MOVES = {RIGHT: (1, 0), UP: (0, 1)}
+ADAPTIVE = AdaptiveConfig(BeliefsConfig(trying=0.5))
+"""Adaptive allocation where nothing moves, so that all of a step's effort is that of its k."""
 
 
 class ToyConfiguration(NamedTuple):

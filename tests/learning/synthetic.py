@@ -7,7 +7,7 @@ import numpy as np
 import torch
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
+from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import Checkpoint
 from ictamp_drake.learning.classifier import Classifier
@@ -20,8 +20,9 @@ from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.frames import upright
 from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
 from ictamp_drake.world.situations import LIFT
+from tests.motions import stay
 
-MOTION = (Segment("stay", 0.1, GripperCommand(0.08), 1, np.array([0.0, 0.1]), np.zeros((1, 7))),)
+MOTION = (stay(0.1),)
 SIZE = NetworkConfig(members=2, width=16)
 ONE = NetworkConfig(members=1, width=16)
 POLICY = PolicyNetworkConfig(components=3, network=ONE)

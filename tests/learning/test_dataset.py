@@ -7,7 +7,7 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand, Segment
+from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.learning.dataset import (
     Row,
     action,
@@ -22,8 +22,9 @@ from ictamp_drake.learning.dataset import (
 )
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
+from tests.motions import stay
 
-MOTION = (Segment("stay", 0.1, GripperCommand(0.08), 1, np.array([0.0, 0.1]), np.zeros((1, 7))),)
+MOTION = (stay(0.1),)
 
 
 def row(number: int, state: int = 0, draw: int = 0, failure: Failure | None = None, k: bool = True) -> Row:

@@ -20,14 +20,11 @@ from ictamp_drake.symbolic.atoms import ON
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.runs.programs import printed
 from tests.symbolic.towers import Problem, state
-from tests.toy_world import RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
-
-RULE = AdaptiveConfig(BeliefsConfig(trying=0.5))
-"""In the toy world nothing moves, so all of a step's effort is that of its k."""
+from tests.toy_world import ADAPTIVE, RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
 
 
 def test_sure_steps_are_one_rollout() -> None:
-    result = toy_planner(ToyWorld(size=(2, 2)), rule=RULE).run()
+    result = toy_planner(ToyWorld(size=(2, 2)), rule=ADAPTIVE).run()
     assert result.low_level_steps == 4
     assert result.high_level_plans == 1
 
@@ -35,7 +32,7 @@ def test_sure_steps_are_one_rollout() -> None:
 def test_a_step_that_failed_once_is_repeated_before_an_earlier_one() -> None:
     failed = 0
     for seed in range(20):
-        steps = toy_planner(ToyWorld(size=(4, 0), success=0.7), rule=RULE, seed=seed).run().tree.steps
+        steps = toy_planner(ToyWorld(size=(4, 0), success=0.7), rule=ADAPTIVE, seed=seed).run().tree.steps
         first = next((number for number, step in enumerate(steps) if not step.attempt.succeeded), None)
         if first is not None:
             failed += 1
@@ -53,7 +50,7 @@ def test_an_estimator_that_condemns_a_configuration_sends_the_search_back_at_onc
             return seen
 
     world = ToyWorld(size=(2, 0), doors={(2, 0): 0.3})
-    trusting = replace(RULE, beliefs=replace(RULE.beliefs, floor=0.01))
+    trusting = replace(ADAPTIVE, beliefs=replace(ADAPTIVE.beliefs, floor=0.01))
     for seed in range(10):
         result = toy_planner(world, rule=trusting, estimator=Seeing({RIGHT: 1.0, UP: 1.0}), seed=seed).run()
         at_door = [step for step in result.tree.steps if result.tree.nodes[step.node].depth == 1]
@@ -70,7 +67,7 @@ def test_an_estimator_that_condemns_wherever_the_search_comes_is_not_trusted_for
             seen[[c.cell == (1, 0) for c, _ in options]] = 0.0
             return seen
 
-    result = toy_planner(world, rule=RULE, estimator=Blind({RIGHT: 0.9, UP: 0.9})).run()
+    result = toy_planner(world, rule=ADAPTIVE, estimator=Blind({RIGHT: 0.9, UP: 0.9})).run()
     assert result.solved
     assert result.low_level_steps <= 1 / BeliefsConfig().floor
 
@@ -78,21 +75,21 @@ def test_an_estimator_that_condemns_wherever_the_search_comes_is_not_trusted_for
 def test_a_plan_whose_later_actions_are_blocked_is_left() -> None:
     """The paper's rule looks at the first action alone, and goes on running the half that succeeds."""
     world = ToyWorld(size=(2, 1), walls=((2, 0),))
-    result = toy_planner(world, rule=RULE, steps=40).run()
+    result = toy_planner(world, rule=ADAPTIVE, steps=40).run()
     assert result.solved
     assert result.failures.total() <= 6
 
 
 def test_opening_stops_paying_when_new_plans_are_no_better_and_cost_effort() -> None:
     stuck = ToyWorld(size=(4, 4), walls=((1, 0), (0, 1)))
-    cheap, dear = (toy_planner(replace(stuck, expansions=n), rule=RULE, steps=60).run() for n in (1, 100_000))
+    cheap, dear = (toy_planner(replace(stuck, expansions=n), rule=ADAPTIVE, steps=60).run() for n in (1, 100_000))
     assert 1 <= dear.high_level_plans < cheap.high_level_plans
 
 
 def test_the_search_does_not_depend_on_the_speed_of_the_machine() -> None:
     world = ToyWorld(size=(3, 3), success=0.6, walls=((2, 0), (1, 1)))
     fast, slow = (
-        toy_planner(replace(world, seconds=seconds), rule=RULE, clock=TickingClock(seconds), seconds=1e6).run()
+        toy_planner(replace(world, seconds=seconds), rule=ADAPTIVE, clock=TickingClock(seconds), seconds=1e6).run()
         for seconds in (1e-3, 10.0)
     )
     assert slow.tree.to_dict() == fast.tree.to_dict()
@@ -105,14 +102,14 @@ def test_a_negative_cost_of_opening_is_refused() -> None:
 
 
 def test_nothing_is_opened_while_all_goes_well() -> None:
-    result = toy_planner(ToyWorld(size=(3, 3)), rule=RULE, clock=TickingClock(1e-3)).run()
+    result = toy_planner(ToyWorld(size=(3, 3)), rule=ADAPTIVE, clock=TickingClock(1e-3)).run()
     assert sum(isinstance(entry, Opening) for entry in result.tree.log) == 1
 
 
 def test_a_narrow_door_is_passed_with_every_seed() -> None:
     world = ToyWorld(size=(2, 1), doors={(2, 1): 0.05}, max_plans=1)
     for seed in range(10):
-        assert toy_planner(replace(world, success=0.9), rule=RULE, seed=seed, steps=2000).run().solved
+        assert toy_planner(replace(world, success=0.9), rule=ADAPTIVE, seed=seed, steps=2000).run().solved
 
 
 class Parked(NamedTuple):
@@ -172,7 +169,9 @@ TINY = ParkingLot(
 
 def parked(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) -> PlanningResult[Parked]:
     """A search in the parking lot."""
-    config = PlannerConfig(Budget(60.0, 200), rule=replace(RULE, beliefs=replace(RULE.beliefs, patience=patience)))
+    config = PlannerConfig(
+        Budget(60.0, 200), rule=replace(ADAPTIVE, beliefs=replace(ADAPTIVE.beliefs, patience=patience))
+    )
     return config.create(
         c=Parked(lot.problem.initial),
         abstraction=lambda c: c.s,

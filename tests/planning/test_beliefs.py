@@ -3,27 +3,22 @@
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Atom, Attempt, GripperCommand, Motion, Obstruction, Segment, Skeleton
+from ictamp_drake.core.types import Action, Atom, Attempt, Obstruction, Skeleton
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
+from tests.motions import stay
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction
 
 WORLD = ToyWorld(size=(1, 1))
 RIGHT_UP, UP_RIGHT = WORLD.plans()
 CONFIG = BeliefsConfig(strength=2.0, effort=1.0, trying=1e-9, simulating=1.0)
 CELLS = {RIGHT: (1, 0), UP: (0, 1)}
-
-
-def motion(duration: float) -> Motion:
-    """One that takes so long [s]."""
-    return (Segment("stay", duration, GripperCommand(0.08), 1, np.array([0.0, duration]), np.zeros((1, 7))),)
 
 
 class Search:
@@ -41,7 +36,7 @@ class Search:
         x, y = self.tree.nodes[node].c.cell
         successor = ToyConfiguration((x + CELLS[action][0], y + CELLS[action][1]), 0.1)
         failure = None if success else Failure.SLIPPED
-        attempt = Attempt(action, failure, successor, motion=motion(duration), **more)
+        attempt = Attempt(action, failure, successor, motion=(stay(duration),), **more)
         self.beliefs.learn(self.tree, self.tree.record_step(node, plan, attempt))
 
     def remaining(self, node: int, plan: int) -> float:
@@ -123,7 +118,7 @@ def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> Non
     assert beliefs.obstructions([aside, low]) == frozenset()
     for _ in range(2):
         failure = Attempt[ToyConfiguration](
-            low, Failure.GOAL_IN_COLLISION, motion=motion(1.0), obstacles=("tall", "link6", "table")
+            low, Failure.GOAL_IN_COLLISION, motion=(stay(1.0),), obstacles=("tall", "link6", "table")
         )
         beliefs.learn(tree, tree.record_step(ROOT, 0, failure))
     assert beliefs.obstructions([aside, low]) == {Obstruction(low, "tall")}

@@ -7,21 +7,16 @@ from typing import Any
 import pytest
 
 from ictamp_drake.core.types import Attempt
-from ictamp_drake.planning.adaptive import AdaptiveConfig
-from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
-from tests.toy_world import ToyConfiguration, ToyWorld, toy_planner
+from tests.toy_world import ADAPTIVE, ToyConfiguration, ToyWorld, toy_planner
 
 CHAIN = ToyWorld(size=(6, 0), success=0.5)
 """One plan whose steps only need patience: the best is to repeat the last one, which takes 6 / 0.5 steps on average."""
 BLOCKED = ToyWorld(size=(3, 3), walls=((2, 0), (1, 1), (0, 3)))
 """Three of twenty plans lead to the goal, in 6 steps: the best is to leave the others after one look."""
-
-ADAPTIVE = AdaptiveConfig(BeliefsConfig(trying=0.5))
-"""In the toy world nothing moves, so all of a step's effort is that of its k."""
 
 
 @dataclass(frozen=True)

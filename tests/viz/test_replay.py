@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from pydrake.geometry import Role
 
-from ictamp_drake.core.types import Action, Attempt, GripperCommand, Segment
+from ictamp_drake.core.types import Action, Attempt
 from ictamp_drake.viz.page import Caption
 from ictamp_drake.viz.replay import plan_captions, replay_html
 from ictamp_drake.world.world import World
+from tests.motions import stay
 from tests.viz.chromium import Chromium
 from tests.viz.scene import DURATION, SPEC, START, recording
 
@@ -35,13 +36,9 @@ PIXEL = """(() => {
 })()"""
 
 
-def segment(label: str, duration: float) -> Segment:
-    return Segment(label, duration, GripperCommand(0.08), 4, np.zeros(0), np.zeros((1, 7)))
-
-
 def test_captions_name_every_segment_of_every_skill() -> None:
-    pick = Attempt(Action("pick", ("a", "b")), None, motion=(segment("approach", 1.0), segment("grasp", 0.5)))
-    place = Attempt(Action("place", ("a", "rack")), None, motion=(segment("lower", 2.0),))
+    pick = Attempt(Action("pick", ("a", "b")), None, motion=(stay(1.0, "approach"), stay(0.5, "grasp")))
+    place = Attempt(Action("place", ("a", "rack")), None, motion=(stay(2.0, "lower"),))
     assert plan_captions([pick, place], [0.0, 1.75]) == [
         Caption(0.0, 1.0, "1/2 pick(a, b) – approach"),
         Caption(1.0, 1.5, "1/2 pick(a, b) – grasp"),

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Atom, Attempt, Configuration, GripperCommand, Segment, Skeleton
+from ictamp_drake.core.types import Action, Atom, Attempt, Configuration, Skeleton
 from ictamp_drake.planning.tree import Tree
 from ictamp_drake.viz.search_page import search_html
 from ictamp_drake.world.simulate import Frame
+from tests.motions import stay
 from tests.viz.chromium import Chromium
 from tests.viz.scene import SPEC, START, swing
 
@@ -22,7 +23,7 @@ STATES = tuple(
     frozenset({Atom("on", ("red_box", "table")), atom})
     for atom in (Atom("on", ("blue_box", "table")), Atom("in-hand", ("blue_box",)), Atom("on", ("blue_box", "rack")))
 )
-MOTION = (Segment("approach", 2.0, GripperCommand(0.08), 4, np.zeros(0), np.zeros((1, 7))),)
+MOTION = (stay(2.0, "approach"),)
 
 OPENED, REFUSED, PICKED, SLIPPED, PLACED = range(5)
 """Places in the log."""
