@@ -104,28 +104,37 @@ class GripperCommand:
 
 @dataclass(frozen=True, eq=False)
 class Configuration:
-    """c, everything that the simulator needs to go on, at rest. Immutable, picklable, compared bit for bit.
+    """c, everything that the simulator needs to go on. Immutable, picklable, compared bit for bit.
 
     Attributes:
         q: joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
         poses: X_WO of every box by name, each of shape (7,).
         held: the box that the hand grips, or None when it grips nothing.
-        gripper: the command that the hand obeys; by default it is as far open as it goes.
+        gripper: the last command of the hand; by default it is as far open as it goes.
+        commanded: last commanded positions of the arm, where the next motion starts [rad], shape (7,); by default those
+            of `q`, from which an arm that carries a load differs by a fraction of a milliradian.
+        x: complete state of the simulated plant, positions and velocities in its own order, whose quaternions are not
+            normalised, shape (n,); None when c was not reached by simulation, and then everything is at rest.
     """
 
     q: FloatArray
     poses: Mapping[str, FloatArray]
     held: str | None = None
     gripper: GripperCommand = GripperCommand(width=0.08)
+    commanded: FloatArray = None  # type: ignore[assignment]
+    x: FloatArray | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q", _frozen(self.q))
         object.__setattr__(self, "poses", {name: _frozen(self.poses[name]) for name in sorted(self.poses)})
+        object.__setattr__(self, "commanded", _frozen(self.q[:7] if self.commanded is None else self.commanded))
+        object.__setattr__(self, "x", None if self.x is None else _frozen(self.x))
 
     @cached_property
     def _key(self) -> tuple[Hashable, ...]:
         poses = tuple((name, pose.tobytes()) for name, pose in self.poses.items())
-        return self.q.tobytes(), poses, self.held, self.gripper
+        state = None if self.x is None else self.x.tobytes()
+        return self.q.tobytes(), poses, self.held, self.gripper, self.commanded.tobytes(), state
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Configuration) and self._key == other._key
@@ -134,7 +143,8 @@ class Configuration:
         return hash(self._key)
 
     def __reduce__(self) -> tuple[type["Configuration"], tuple[object, ...]]:
-        return Configuration, (self.q, self.poses, self.held, self.gripper)  # arrays lose their write protection else
+        # Arrays would lose their write protection otherwise.
+        return Configuration, (self.q, self.poses, self.held, self.gripper, self.commanded, self.x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +158,8 @@ class Segment:
         order: order of the B-spline (degree + 1).
         knots: times from the segment's start [s], shape (n + order,).
         control_points: arm joint positions [rad], shape (n, 7); a single row means that the arm stands still there.
+        touches: names of the boxes and supports that the arm, or a box in its hand, may touch; empty when it moves
+            freely, None when nothing is known. Physics lets everything else sleep, and wakes it if it is touched.
     """
 
     label: str
@@ -156,10 +168,24 @@ class Segment:
     order: int
     knots: FloatArray
     control_points: FloatArray
+    touches: frozenset[str] | None = None
 
 
 Motion = tuple[Segment, ...]
 """The trajectory of one run of a skill, segment after segment, from rest to rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What a simulation of a motion went through.
+
+    Attributes:
+        times: from its start [s], shape (m,).
+        states: of the plant at these times, as in `Configuration.x`, shape (m, n).
+    """
+
+    times: FloatArray
+    states: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,11 +197,12 @@ class Attempt(Generic[C]):
         failure: None when the action's promised state was reached.
         successor: c', where the simulation ended; None when nothing was simulated.
         k: the parameter that was executed or refused last; None when none was found.
-        motion: what was executed; empty when nothing was simulated.
+        motion: what was executed, to its end at rest; empty when nothing was simulated.
         rejections: kinematic failures of the parameters drawn before the last one.
         seconds: computing time by stage [s].
         detail: one sentence more than the failure says.
         obstacles: what the arm or the held box would have touched, by name, once for each parameter refused for that.
+        recording: of the simulation, None when nothing was simulated.
     """
 
     action: Action
@@ -187,6 +214,7 @@ class Attempt(Generic[C]):
     seconds: Mapping[str, float] = field(default_factory=dict)
     detail: str = ""
     obstacles: tuple[str, ...] = ()
+    recording: Recording | None = None
 
     @property
     def succeeded(self) -> bool:

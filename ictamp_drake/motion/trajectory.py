@@ -1,6 +1,6 @@
 """Trajectories of the arm: B-splines from rest to rest."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -61,9 +61,10 @@ class Trajectory:
         """The same way back in the same time."""
         return Trajectory(self.order, self.duration - self.knots[::-1], self.control_points[::-1])
 
-    def segment(self, label: str, gripper: GripperCommand) -> Segment:
-        """As a piece of a motion."""
-        return Segment(label, self.duration, gripper, self.order, self.knots, self.control_points)
+    def segment(self, label: str, gripper: GripperCommand, touches: Collection[str] | None = None) -> Segment:
+        """As a piece of a motion, on which the arm or what it holds may touch some bodies; see `Segment`."""
+        known = None if touches is None else frozenset(touches)
+        return Segment(label, self.duration, gripper, self.order, self.knots, self.control_points, known)
 
 
 def sample(

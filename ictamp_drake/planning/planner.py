@@ -110,7 +110,7 @@ class Planner(Generic[C]):
     _finished: list[int] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_stopwatch", Stopwatch(self.clock))
+        object.__setattr__(self, "_stopwatch", Stopwatch())
 
     def run(self) -> PlanningResult[C]:
         """Search until a plan is verified, nothing is left to do or the budget is spent; Ctrl-C ends it cleanly."""

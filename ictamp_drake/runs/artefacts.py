@@ -7,8 +7,8 @@ from typing import Any, Literal
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.runs.files import write_whole
 from ictamp_drake.runs.plan_file import Plan, write_plan
-from ictamp_drake.runs.recording import record_steps
-from ictamp_drake.runs.replay import starts
+from ictamp_drake.runs.recording import recorded_steps
+from ictamp_drake.runs.replay import plan_frames, starts
 from ictamp_drake.runs.solve import Solution
 from ictamp_drake.scenes.spec import save_scene
 from ictamp_drake.viz.growth import draw_growth
@@ -40,10 +40,10 @@ def _write_pictures(solution: Solution, folder: Path) -> None:
     draw_tree(tree, folder / "tree.svg", folder.name)
     draw_growth(tree, folder / "growth.svg")
     scene_png(task.spec, task.c, folder / "scene.png")
-    if solution.replay is not None and result.plan is not None:
+    if result.solved and result.plan:
         captions = plan_captions(result.plan, starts(result.plan))
-        replay_html(task.spec, solution.replay.frames, captions, folder / "replay.html")
-    recordings = record_steps(task.physics, result.tree, solution.replay)
+        replay_html(task.spec, plan_frames(task.physics, result.plan), captions, folder / "replay.html")
+    recordings = recorded_steps(task.physics, result.tree)
     search_html(task.spec, result.tree, recordings, folder / "search.html", folder.name)
 
 

@@ -72,6 +72,9 @@ class Planners:
     adaptive: AdaptiveConfig = AdaptiveConfig()
 
 
+FINE_STEP = 1e-3
+"""Time step of the strictest verification [s]."""
+
 FAMILIES: dict[str, type] = {
     "sampler": Samplers,
     "estimator": Estimators,
@@ -110,6 +113,9 @@ class Method:
         planner: which computational action comes next; completion-tree is the paper's rule. els (unless weighted),
             round-robin and uniform ask no estimator, and stap asks STAP's product of Q along the plan.
         max_expansions: nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
+        verify: What a found plan must pass besides the execution of its skills one after the other, which is one
+            execution of the whole, bit for bit. none: nothing more. awake: another execution, in a fresh simulator in
+            which no box sleeps. fine: the same with a time step of 1 ms.
         skills: constants of the skills and of motion planning.
         physics: how the scene is simulated.
         predicates: tolerances of H.
@@ -127,6 +133,7 @@ class Method:
     generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
     planner: Annotated[str, one_of(choices(Planners))] = "completion-tree"
     max_expansions: int = PlannerConfig.max_expansions
+    verify: Literal["none", "awake", "fine"] = "none"
     skills: SkillsConfig = SkillsConfig()
     physics: PhysicsConfig = PhysicsConfig()
     predicates: PredicateConfig = PredicateConfig()
@@ -172,6 +179,14 @@ class Method:
             stap, critics = self.planners.stap, self.estimators.q_value
             return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
         return chosen(self.estimators, self.estimator)
+
+    @property
+    def verification(self) -> PhysicsConfig | None:
+        """How a found plan is executed once more, None when it is not."""
+        if self.verify == "none":
+            return None
+        step = min(FINE_STEP, self.physics.time_step) if self.verify == "fine" else self.physics.time_step
+        return replace(self.physics, sleep=False, time_step=step)
 
     @property
     def decisive(self) -> dict[str, Any]:

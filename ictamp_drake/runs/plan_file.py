@@ -18,7 +18,8 @@ from ictamp_drake.world.abstraction import Abstraction
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.world import World
 
-FORMAT = 1
+FORMAT = 2
+"""Of the files that are written. Those of format 1 lack `commanded`, `x` and `touches`, and are read, too."""
 
 HEADER = """\
 # A plan for a Franka Emika Panda with its hand, found and executed in simulation. Metres, radians, seconds, newtons.
@@ -26,7 +27,9 @@ HEADER = """\
 # format      of this file
 # scene       the scene's file. Supports stand still; "position" is the centre of a support's TOP face and of a box.
 # initial     the start, at rest. q: 7 arm joints, then 2 fingers [m]. poses: of each box's centre in the world frame,
-#             unit quaternion w, x, y, z, then x, y, z.
+#             unit quaternion w, x, y, z, then x, y, z. commanded: the 7 arm joints as they were commanded last, where
+#             the first segment begins; from then on each begins where the one before ends, at rest. x: the complete
+#             state of the simulator, for the same execution bit for bit.
 # skeleton    the high-level plan.
 # steps       one for each action, to be executed without a pause between them:
 #   action    pick(object, what it stands on) or place(object, receptacle)
@@ -43,6 +46,7 @@ HEADER = """\
 #     order           of the arm's B-spline (degree + 1)
 #     knots           its knots, time from the segment's start; the first and last are as often repeated as `order` says
 #     control_points  its control points, positions of the 7 arm joints; a single one means that the arm stands still
+#     touches         the boxes and supports that the arm or the box in its hand may touch meanwhile; null if unknown
 """
 
 
@@ -61,12 +65,11 @@ class Plan(NamedTuple):
 
     def replay(self, physics: PhysicsConfig | None = None) -> Replay:
         """Execute the plan in a fresh simulator, by default that of the search's default options."""
-        goal = parse_goal(self.spec.goal, sorted(self.spec.boxes), sorted(self.spec.supports))
+        world = World(self.spec)
         return replay(
-            self.spec,
-            physics or PhysicsConfig(),
-            abstraction=Abstraction(World(self.spec)),
-            goal=goal,
+            (physics or PhysicsConfig()).create(world),
+            abstraction=Abstraction(world),
+            goal=parse_goal(self.spec.goal, sorted(self.spec.boxes), sorted(self.spec.supports)),
             c=self.c,
             attempts=self.attempts,
         )
@@ -77,7 +80,12 @@ def write_plan(plan: Plan, path: Path) -> None:
     content = {
         "format": FORMAT,
         "scene": yaml.safe_load(to_yaml(plan.spec)),
-        "initial": {"q": plan.c.q.tolist(), "poses": {name: pose.tolist() for name, pose in plan.c.poses.items()}},
+        "initial": {
+            "q": plan.c.q.tolist(),
+            "poses": {name: pose.tolist() for name, pose in plan.c.poses.items()},
+            "commanded": plan.c.commanded.tolist(),
+            "x": None if plan.c.x is None else plan.c.x.tolist(),
+        },
         "skeleton": [str(attempt.action) for attempt in plan.attempts],
         "steps": _steps(plan.attempts),
     }
@@ -93,10 +101,15 @@ def read_plan(path: Path) -> Plan:
     """
     try:
         content = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
-        if content["format"] != FORMAT:
-            raise IctampError(f"{path}: format is {content['format']}, but must be {FORMAT}")
+        if content["format"] not in (1, FORMAT):
+            raise IctampError(f"{path}: format is {content['format']}, but must be 1 or {FORMAT}")
         initial = content["initial"]
-        c = Configuration(np.array(initial["q"]), {name: np.array(pose) for name, pose in initial["poses"].items()})
+        c = Configuration(
+            np.array(initial["q"]),
+            {name: np.array(pose) for name, pose in initial["poses"].items()},
+            commanded=initial.get("commanded"),
+            x=initial.get("x"),
+        )
         attempts = tuple(_attempt(step) for step in content["steps"])
         return Plan(build(SceneSpec, content["scene"], "scene"), c, attempts)
     except OSError as error:
@@ -127,6 +140,7 @@ def _segment_to_dict(segment: Segment, start: float) -> dict[str, Any]:
         "order": segment.order,
         "knots": segment.knots.tolist(),
         "control_points": segment.control_points.tolist(),
+        "touches": None if segment.touches is None else sorted(segment.touches),
     }
 
 
@@ -144,4 +158,5 @@ def _segment(segment: dict[str, Any]) -> Segment:
         order=segment["order"],
         knots=np.array(segment["knots"]),
         control_points=np.array(segment["control_points"]),
+        touches=None if (touches := segment.get("touches")) is None else frozenset(touches),
     )

@@ -32,13 +32,16 @@ class Record:
         level: easy, medium, hard, extreme or varied; None for a scene of one's own.
         interference: kinds of interference of the boxes outside the goal.
         seed: the run's seed.
-        solved: a plan was carried out and then verified as a whole.
-        verified: whether the last plan that was carried out ended in the goal again when it was replayed from c_0 in a
-            fresh simulator in one go; None when no plan was carried out, or when this was interrupted.
+        solved: a plan was carried out and holds.
+        verified: whether the last plan that was carried out holds: its skills were executed in physics one after the
+            other, each from the complete state in which the one before ended, H of the last configuration holds the
+            goal, and so does it after another execution where --verify asks for one. None when no plan was carried out,
+            or when this was interrupted.
         stop_reason: why the search ended, by the name in `planning.result.StopReason`; "CRASHED" or "HUNG" when its
             process died or was ended because it took too long.
-        planning_time_s: time until a plan was verified or the search ended [s]: loading the scene, building it in
-            Drake, search and verification. Importing modules and writing files are not in it.
+        planning_time_s: time until a plan was found or the search ended [s]: loading the scene, building it in Drake,
+            search and verification. Importing modules and writing files are not in it.
+        cpu_time_s: processor time of the process in the same span [s]; None in records of earlier versions.
         high_level_plans: plans opened.
         low_level_steps: runs of a skill.
         steps_by_depth: how many of these started from a node of depth 0, 1, ...
@@ -47,7 +50,8 @@ class Record:
         failures: failed low-level steps by cause.
         rejections: parameters k that were refused, by cause, before the last one of their step.
         seconds_by_stage: computing time by stage [s]; "setup" is loading and building the scene.
-        replay_time_s: computing time of executing the verified plan from the start [s], None when unsolved.
+        replay_time_s: computing time of executing the found plan once [s], None when unsolved. In records of earlier
+            versions, which executed it a second time, the whole scene was awake and recorded meanwhile.
         blocked: for each action that was tried and never succeeded, how many parameters k were refused by what.
         obstacles: for each of these, with how many of the k the arm or the held box would have touched what.
         error: traceback when the problem was not brought to an end by itself, else None.
@@ -63,6 +67,7 @@ class Record:
     verified: bool | None = None
     stop_reason: str
     planning_time_s: float
+    cpu_time_s: float | None = None
     high_level_plans: int = 0
     low_level_steps: int = 0
     steps_by_depth: tuple[int, ...] = ()
@@ -107,6 +112,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         verified=result.verified,
         stop_reason=result.stop_reason.name,
         planning_time_s=_rounded(solution.planning_time_s),
+        cpu_time_s=_rounded(solution.cpu_time_s),
         high_level_plans=result.high_level_plans,
         low_level_steps=result.low_level_steps,
         steps_by_depth=result.steps_by_depth,
@@ -118,7 +124,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
             "setup": _rounded(solution.planning_time_s - result.planning_time_s),
             **{stage: _rounded(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
-        replay_time_s=None if solution.replay is None else _rounded(solution.replay.seconds),
+        replay_time_s=None if solution.execution_time_s is None else _rounded(solution.execution_time_s),
         blocked={str(report.action): _refusals(report) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
     )

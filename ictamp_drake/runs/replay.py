@@ -1,13 +1,13 @@
-"""The judge of a whole plan: it is executed once more from c_0, in a fresh simulator and in one go."""
+"""A plan executed in one go: by one simulator, skill after skill, that is never reset."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from itertools import accumulate
+from time import process_time
 
 from ictamp_drake.core.types import Atom, Attempt, Configuration
-from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.abstraction import Abstraction
-from ictamp_drake.world.simulate import Frame, PhysicsConfig
+from ictamp_drake.world.simulate import Frame, Outcome, Physics
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,40 +15,61 @@ class Replay:
     """One execution of a plan.
 
     Attributes:
-        frames: the recording.
-        c: where it ended.
-        reached: whether all came to rest and H(c) holds the goal.
-        seconds: computing time of the simulation; building the simulator is not in it [s].
+        outcomes: where each skill ended.
+        reached: whether all came to rest after each skill, and H of the last configuration holds the goal.
+        seconds: processor time of the simulation [s].
     """
 
-    frames: tuple[Frame, ...]
-    c: Configuration
+    outcomes: tuple[Outcome, ...]
     reached: bool
     seconds: float
 
+    @property
+    def c(self) -> Configuration:
+        """Where the plan ended.
+
+        Raises:
+            IndexError: when it is empty.
+        """
+        return self.outcomes[-1].c
+
 
 def replay(
-    spec: SceneSpec,
-    physics: PhysicsConfig,
+    physics: Physics,
     *,
     abstraction: Abstraction,
     goal: frozenset[Atom],
     c: Configuration,
     attempts: Sequence[Attempt[Configuration]],
 ) -> Replay:
-    """Execute the motions of a plan from c, one right after the other."""
-    simulator = physics.create(spec)
-    motion = [segment for attempt in attempts for segment in attempt.motion]
+    """Execute the motions of a plan from c.
+
+    With the options of the search every configuration is that of the search again, bit for bit. With a finer time step
+    or the whole scene awake, a skill may have to wait a little longer for rest.
+    """
+    start = process_time()
+    outcomes: list[Outcome] = []
+    for attempt in attempts:
+        outcomes.append(physics.proceed(attempt.motion) if outcomes else physics.run(c, attempt.motion))
+    seconds = process_time() - start
+    end = outcomes[-1].c if outcomes else c
+    settled = all(outcome.settled for outcome in outcomes)
+    return Replay(tuple(outcomes), settled and goal <= abstraction(end), seconds)
+
+
+def plan_frames(physics: Physics, attempts: Sequence[Attempt[Configuration]]) -> list[Frame]:
+    """What there is to see of a plan, from the recordings of its skills; time is that from the start of the plan."""
     frames: list[Frame] = []
-    start = perf_counter()
-    outcome = simulator.run(c, motion, record=frames.append)
-    seconds = perf_counter() - start
-    return Replay(tuple(frames), outcome.c, outcome.settled and goal <= abstraction(outcome.c), seconds)
+    for attempt, start in zip(attempts, starts(attempts), strict=True):
+        if attempt.recording is not None:
+            moments = physics.frames(attempt.recording)
+            frames += [Frame(start + frame.time, frame.c) for frame in (moments if not frames else moments[1:])]
+    return frames
 
 
 def starts(attempts: Sequence[Attempt[Configuration]]) -> list[float]:
-    """When each skill begins in a replay [s]."""
-    return [duration(attempts[:number]) for number in range(len(attempts))]
+    """When each skill begins in an execution of the plan [s]."""
+    return list(accumulate((attempt.duration for attempt in attempts), initial=0.0))[: len(attempts)]
 
 
 def duration(attempts: Sequence[Attempt[Configuration]]) -> float:

@@ -1,19 +1,19 @@
-"""One scene: from its file to a plan that was executed twice, during the search and once more as a whole."""
+"""One scene: from its file to a plan that was executed."""
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Atom, Attempt, Configuration
 from ictamp_drake.planning.events import Listener
-from ictamp_drake.planning.planner import PlannerConfig
+from ictamp_drake.planning.planner import PlannerConfig, Verify
 from ictamp_drake.planning.result import PlanningResult
 from ictamp_drake.runs.options import Method
 from ictamp_drake.runs.parts import Parts
-from ictamp_drake.runs.replay import Replay, replay
+from ictamp_drake.runs.replay import replay
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
@@ -36,6 +36,7 @@ class Task:
         goal: the atoms that must hold.
         domain: its ground actions.
         started: when loading the scene began, by `time.perf_counter` [s].
+        cpu_started: the same by `time.process_time` [s].
     """
 
     spec: SceneSpec
@@ -46,6 +47,7 @@ class Task:
     goal: frozenset[Atom]
     domain: Domain
     started: float
+    cpu_started: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +57,19 @@ class Solution:
     Attributes:
         task: the problem.
         result: what the search left.
-        replay: of the verified plan; None when there is none.
-        planning_time_s: time from the start of loading the scene until the plan was verified or given up [s].
+        planning_time_s: time from the start of loading the scene until the plan was found or given up [s].
+        cpu_time_s: processor time of this process in the meantime [s].
     """
 
     task: Task
     result: PlanningResult[Configuration]
-    replay: Replay | None
     planning_time_s: float
+    cpu_time_s: float
+
+    @property
+    def execution_time_s(self) -> float | None:
+        """Computing time of the one execution of the found plan, skill by skill [s]; None when there is none."""
+        return sum(attempt.seconds["physics"] for attempt in self.result.plan or ()) if self.result.solved else None
 
 
 def prepare(scene: Path | SceneSpec, method: Method) -> Task:
@@ -71,18 +78,18 @@ def prepare(scene: Path | SceneSpec, method: Method) -> Task:
     Raises:
         IctampError: one sentence that says what is wrong with the file, the scene or its goal.
     """
-    started = perf_counter()
+    started, cpu_started = perf_counter(), process_time()
     spec, name = (scene, "the scene") if isinstance(scene, SceneSpec) else (load_scene(scene), str(scene))
     goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"{name}: goal")
     world = World(spec)
-    physics = method.physics.create(spec)
+    physics = method.physics.create(world)
     abstraction = Abstraction(world, method.predicates)
     c = start_configuration(world, abstraction, physics, name)
     initial = abstraction(c)
     check_goal(goal, initial, f"{name}: goal")
     roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
     domain = Domain.create(sorted(spec.boxes), roomiest_first, initial)
-    return Task(spec, world, physics, abstraction, c, goal, domain, started)
+    return Task(spec, world, physics, abstraction, c, goal, domain, started, cpu_started)
 
 
 def solve(
@@ -101,7 +108,6 @@ def solve(
         stop: asked before every computational action; True ends the search.
         parts: to search with, by default those that the method chose.
     """
-    verifier = _Verifier(task, method)
     parts = parts or method.parts
     skills = method.skills.create(task.world, task.abstraction, task.physics, parts.sampler, parts.skills)
     budget = method.budget(elapsed=perf_counter() - task.started)
@@ -111,31 +117,29 @@ def solve(
         generator=parts.generator.create(task.domain, task.abstraction(task.c), task.goal),
         skills=skills,
         estimator=parts.estimator.create(task.world, skills),
-        verify=verifier,
+        verify=verifier(task, method),
         rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
         listeners=listeners,
         stop=stop,
     )
     result = planner.run()
-    return Solution(task, result, verifier.replay if result.solved else None, perf_counter() - task.started)
+    return Solution(task, result, perf_counter() - task.started, process_time() - task.cpu_started)
 
 
-@dataclass
-class _Verifier:
-    """Replays each finished plan, and keeps the last replay."""
+def verifier(task: Task, method: Method) -> Verify[Configuration]:
+    """What a plan must pass after its skills were executed one after the other.
 
-    task: Task
-    method: Method
-    replay: Replay | None = field(default=None, init=False)
+    That is one execution of the whole already, bit for bit, since a configuration is the complete state of the
+    simulator. So nothing more is asked by default.
+    """
 
-    def __call__(self, attempts: tuple[Attempt[Configuration], ...]) -> bool:
-        task = self.task
-        self.replay = replay(
-            task.spec,
-            self.method.physics,
-            abstraction=task.abstraction,
-            goal=task.goal,
-            c=task.c,
-            attempts=attempts,
+    def verify(attempts: tuple[Attempt[Configuration], ...]) -> bool:
+        physics = method.verification
+        return (
+            physics is None
+            or replay(
+                physics.create(task.world), abstraction=task.abstraction, goal=task.goal, c=task.c, attempts=attempts
+            ).reached
         )
-        return self.replay.reached
+
+    return verify

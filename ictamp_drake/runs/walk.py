@@ -156,7 +156,7 @@ class _Course:
         self._world = World(spec)
         self._arm = ArmKinematics(to_transform(spec.arm.X_WB))
         self._abstraction = Abstraction(self._world)
-        self._physics = PhysicsConfig().create(spec)
+        self._physics = PhysicsConfig().create(self._world)
         plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimisationConfig())
         self._sources = {
             source: replace(

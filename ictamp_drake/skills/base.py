@@ -1,6 +1,6 @@
 """What a skill is, and the pieces from which skills put their motions together."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.world.commands import gripper_time
+from ictamp_drake.world.commands import gripper_time, stand_still
 from ictamp_drake.world.world import World
 
 OPEN = GripperCommand(GRIPPER_MAX_WIDTH)
@@ -33,10 +33,9 @@ class SkillConfig(Protocol):
         """The skill in one scene; all skills of a scene share its planner."""
 
 
-def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand) -> Segment:
+def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand, touches: Collection[str]) -> Segment:
     """The arm stands still at q, shape (7,) [rad], while the gripper goes from one command to the next."""
-    duration = gripper_time(before, after) + PAUSE
-    return Segment(label, duration, after, 1, np.array([0.0, duration]), q[None])
+    return stand_still(label, gripper_time(before, after) + PAUSE, q, after, frozenset(touches))
 
 
 def imagined(

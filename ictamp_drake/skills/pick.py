@@ -51,15 +51,15 @@ class Pick:
         grasp = GripperCommand(grip_width(self._world, c, box, k[3]), self._config.force)
         above = self._world.upright(c, box).size[2] / 2 - k[2] + TIP + self._config.margin
 
-        planner.set_configuration(imagined(c, q=c.q[:7], width=OPEN.width, held=None))
+        planner.set_configuration(imagined(c, q=c.commanded, width=OPEN.width, held=None))
         X_WG_above = raised(X_WG, above)
-        q_grasp = planner.posture(X_WG, c.q[:7], towards=X_WG_above)
+        q_grasp = planner.posture(X_WG, c.commanded, towards=X_WG_above)
         if isinstance(q_grasp, Refusal):
             return q_grasp
         back = planner.straight(q_grasp, X_WG_above)
         if isinstance(back, Refusal):
             return back
-        approach = planner.transfer(c.q[:7], back.trajectory.end, rng)
+        approach = planner.transfer(c.commanded, back.trajectory.end, rng)
         if isinstance(approach, Refusal):
             return approach
         planner.set_configuration(imagined(c, q=q_grasp, width=grasp.width, held=box))
@@ -67,8 +67,8 @@ class Pick:
         if isinstance(lift, Refusal):
             return lift
         return (
-            approach.trajectory.segment("approach", OPEN),
-            back.trajectory.reversed().segment("lower", OPEN),
-            hold("grasp", q_grasp, OPEN, grasp),
-            lift.trajectory.segment("lift", grasp),
+            approach.trajectory.segment("approach", OPEN, ()),
+            back.trajectory.reversed().segment("lower", OPEN, ()),
+            hold("grasp", q_grasp, OPEN, grasp, {box}),
+            lift.trajectory.segment("lift", grasp, {box}),
         )

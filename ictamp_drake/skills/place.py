@@ -45,21 +45,20 @@ class Place:
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that places with parameter k from c, or what is in its way."""
         planner, (box, receptacle) = self._planner, action.args
-        q = c.q[:7]
-        X_WG0 = planner.kinematics.forward(q)
+        X_WG0 = planner.kinematics.forward(c.q[:7])
         X_GB = held_bottom(self._world, c, box, X_WG0)
         X_WG = placement_pose(self._world, c, receptacle, X_GB, k)
         X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses[box])
         above = self._top_above_hand(c, box, X_GB) + TIP + self._config.margin
 
         planner.set_configuration(c)
-        q_place = planner.posture(X_WG, q, towards=raised(X_WG, max(self._config.drop, above)))
+        q_place = planner.posture(X_WG, c.commanded, towards=raised(X_WG, max(self._config.drop, above)))
         if isinstance(q_place, Refusal):
             return q_place
         back = planner.straight(q_place, raised(X_WG, self._config.drop))
         if isinstance(back, Refusal):
             return back
-        transfer = planner.transfer(q, back.trajectory.end, rng)
+        transfer = planner.transfer(c.commanded, back.trajectory.end, rng)
         if isinstance(transfer, Refusal):
             return transfer
         planner.set_configuration(imagined(c, q=q_place, width=OPEN.width, held=None, moved={box: to_pose(X_WO)}))
@@ -67,10 +66,10 @@ class Place:
         if isinstance(retreat, Refusal):
             return retreat
         return (
-            transfer.trajectory.segment("transfer", c.gripper),
-            back.trajectory.reversed().segment("lower", c.gripper),
-            hold("release", q_place, c.gripper, OPEN),
-            retreat.trajectory.segment("retreat", OPEN),
+            transfer.trajectory.segment("transfer", c.gripper, {box}),
+            back.trajectory.reversed().segment("lower", c.gripper, {box, receptacle}),
+            hold("release", q_place, c.gripper, OPEN, {box, receptacle}),
+            retreat.trajectory.segment("retreat", OPEN, ()),
         )
 
     def _top_above_hand(self, c: Configuration, box: str, X_GB: RigidTransform) -> float:

@@ -1,6 +1,6 @@
 """One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
@@ -21,7 +21,7 @@ from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.place import PlaceConfig
 from ictamp_drake.world.abstraction import Abstraction
-from ictamp_drake.world.simulate import Frame, Outcome, Physics
+from ictamp_drake.world.simulate import Outcome, Physics
 from ictamp_drake.world.world import World
 
 
@@ -115,7 +115,17 @@ class Skills:
             return Attempt(action, Failure.NOT_SETTLED, None, k, plan, rejections, stopwatch.seconds, sentence)
         with stopwatch.stage("abstraction"):
             failure, detail = judge(self.abstraction(outcome.c), promised, action, outcome)
-        return Attempt(action, failure, outcome.c, k, plan, rejections, stopwatch.seconds, detail)
+        return Attempt(
+            action=action,
+            failure=failure,
+            successor=outcome.c,
+            k=k,
+            motion=outcome.motion,
+            rejections=rejections,
+            seconds=stopwatch.seconds,
+            detail=detail,
+            recording=outcome.recording,
+        )
 
     def _plan(
         self,
@@ -145,19 +155,13 @@ class Skills:
         return k, refusals[-1], refusals[:-1]
 
 
-def execute(
-    physics: Physics,
-    c: Configuration,
-    action: Action,
-    motion: Motion,
-    record: Callable[[Frame], None] | None = None,
-) -> Outcome:
+def execute(physics: Physics, c: Configuration, action: Action, motion: Motion) -> Outcome:
     """f of one low-level step: run its motion from c, to the end or until the box is not between the fingers.
 
     Raises:
         RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
     """
-    return physics.run(c, motion, watch=_Grip(action.args[0]), record=record)
+    return physics.run(c, motion, watch=_Grip(action.args[0]))
 
 
 @dataclass(frozen=True)

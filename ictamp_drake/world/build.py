@@ -42,13 +42,20 @@ class SceneBodies:
     supports: Mapping[str, RigidBody]
 
 
-def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
-    """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification."""
+def add_arm(plant: MultibodyPlant, spec: SceneSpec) -> ModelInstanceIndex:
+    """Add the Panda with its hand where it stands in the scene to a plant that is not finalised."""
     parser = Parser(plant)
     add_package(parser)
     (arm,) = parser.AddModelsFromUrl(PANDA_URL)
     base = plant.GetBodyByName("panda_link0", arm)
     plant.WeldFrames(plant.world_frame(), base.body_frame(), to_transform(spec.arm.X_WB))
+    return arm
+
+
+def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
+    """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification."""
+    arm = add_arm(plant, spec)
+    parser = Parser(plant)
     supports = {}
     for name, support in sorted(spec.supports.items()):
         supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size))

@@ -24,6 +24,13 @@ def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
     return abs(after.width - before.width) / 2 / MAX_FINGER_SPEED + FORCE_RAMP * (after.force != before.force)
 
 
+def stand_still(
+    label: str, duration: float, q: FloatArray, gripper: GripperCommand, touches: frozenset[str] | None
+) -> Segment:
+    """The arm stands still at q, shape (7,) [rad], for a duration [s] while the gripper obeys a command."""
+    return Segment(label, duration, gripper, 1, np.array([0.0, duration]), q[None], touches)
+
+
 def desired_positions(
     q_arm: FloatArray, gripper: GripperCommand, segments: Sequence[Segment], end: float
 ) -> Trajectory:

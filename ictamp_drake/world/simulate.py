@@ -1,23 +1,24 @@
 """f, the transition: what physics makes of a configuration and a motion."""
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
-from pydrake.multibody.tree import PdControllerGains
-from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, DiagramBuilder, EventStatus
-from pydrake.systems.primitives import TrajectorySource
-from pydrake.trajectories import PiecewisePolynomial
+from pydrake.multibody.plant import MultibodyPlant, MultibodyPlantConfig
+from pydrake.multibody.tree import ModelInstanceIndex
 
-from ictamp_drake.core.types import Configuration, Segment
+from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Recording, Segment
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.checks import check_fields, check_vector
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.world.build import add_scene, filter_flat_contacts
-from ictamp_drake.world.commands import desired_positions, feedforward
+from ictamp_drake.world.build import add_arm, add_scene, filter_flat_contacts
+from ictamp_drake.world.commands import desired_positions, feedforward, stand_still
+from ictamp_drake.world.plant import SimulatedPlant
 from ictamp_drake.world.poses import normalised
+from ictamp_drake.world.sleep import Sleepers
+from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
@@ -25,18 +26,20 @@ class PhysicsConfig:
     """How the scene is simulated.
 
     Attributes:
-        time_step: of the discrete plant [s].
-        contact_approximation: of Drake's discrete contact solver.
-        arm_stiffness: of the controller of each joint [Nm/rad]; stiffer follows the motion closer.
-        arm_damping: of the controller of each joint [Nm s/rad].
-        finger_stiffness: of the controller of each finger [N/m].
-        finger_damping: of the controller of each finger [N s/m].
-        rest_speed: greatest speed of a box at rest [m/s].
-        rest_turn: greatest angular speed of a box at rest [rad/s].
-        settle_time: longest wait for rest after a motion [s].
-        settle_check: time between two looks at the speeds [s].
-        min_pad_force: least force of each finger on an object that counts as held, normal and friction together [N].
-        record_period: time between two frames of a recording [s].
+        time_step: Time step of the discrete plant [s].
+        contact_approximation: Approximation of contact that Drake's discrete solver uses.
+        arm_stiffness: Stiffness of the controller of each joint [Nm/rad]; a stiffer arm follows the motion closer.
+        arm_damping: Damping of the controller of each joint [Nm s/rad].
+        finger_stiffness: Stiffness of the controller of each finger [N/m].
+        finger_damping: Damping of the controller of each finger [N s/m].
+        rest_speed: Greatest speed of a box at rest [m/s].
+        rest_turn: Greatest angular speed of a box at rest [rad/s].
+        settle_time: Longest wait for rest after a motion [s].
+        settle_check: Time between two looks at the speeds [s].
+        min_pad_force: Least force of each finger on an object that counts as held, normal and friction together [N].
+        record_period: Time between two recorded states, and between two looks for contact with sleeping boxes [s].
+        sleep: Simulate boxes at rest only where the arm may touch them or what they rest or lean on. Otherwise the
+            whole scene is simulated all the time.
     """
 
     time_step: float = 0.004
@@ -51,6 +54,7 @@ class PhysicsConfig:
     settle_check: float = 0.05
     min_pad_force: float = 1.0
     record_period: float = 1 / 30
+    sleep: bool = True
 
     def __post_init__(self) -> None:
         check_fields(
@@ -69,9 +73,13 @@ class PhysicsConfig:
         check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=7)
         check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=7)
 
-    def create(self, spec: SceneSpec) -> "Physics":
+    def create(self, world: World) -> "Physics":
         """A simulator of the scene."""
-        return Physics(spec, self)
+        return Physics(world, self)
+
+    def steps(self, seconds: float) -> int:
+        """Number of time steps that last at least so long; what sums of durations are rounded by adds none."""
+        return math.ceil(seconds / self.time_step - 1e-6)
 
 
 @dataclass(frozen=True)
@@ -82,11 +90,16 @@ class Outcome:
         c: the last configuration.
         settled: whether everything came to rest in time.
         stopped_after: label of the segment after which the watcher ended it, None when it ran to the end.
+        motion: what was executed. Unless the watcher ended it, the arm stands still at its end until all is at rest and
+            a whole number of time steps is over.
+        recording: states on the way, none but the first when they were not to be kept.
     """
 
     c: Configuration
     settled: bool
-    stopped_after: str | None = None
+    stopped_after: str | None
+    motion: Motion
+    recording: Recording
 
 
 class Frame(NamedTuple):
@@ -101,46 +114,46 @@ Watcher = Callable[[Segment, "Physics"], bool]
 
 
 class Physics:
-    """A discrete-time plant of the scene with its controllers: deterministic, restartable from any configuration."""
+    """A simulator of a scene: deterministic, restartable from any configuration.
 
-    def __init__(self, spec: SceneSpec, config: PhysicsConfig) -> None:
+    A configuration that it returns is its complete state. So motions that run one after the other, each from where the
+    one before ended, are one execution, bit for bit, in whatever simulators and processes they run.
+    """
+
+    def __init__(self, world: World, config: PhysicsConfig) -> None:
         self.config = config
-        builder = DiagramBuilder()
-        self._plant, scene_graph = AddMultibodyPlant(
-            MultibodyPlantConfig(
-                time_step=config.time_step,
-                contact_model="point",
-                discrete_contact_approximation=config.contact_approximation,
-                sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
-            ),
-            builder,
+        spec = world.spec
+        gains = (
+            np.array([*config.arm_stiffness, *2 * [config.finger_stiffness]]),
+            np.array([*config.arm_damping, *2 * [config.finger_damping]]),
         )
-        self.bodies = add_scene(self._plant, spec)
-        self._plant.set_gravity_enabled(self.bodies.arm, False)  # as Franka's controller compensates it
-        self._set_gains()
-        self._plant.Finalize()
-        filter_flat_contacts(self._plant, scene_graph, self.bodies)
-        rest = PiecewisePolynomial(np.zeros((9, 1)))
-        self._positions = builder.AddSystem(TrajectorySource(rest, output_derivative_order=1))
-        self._efforts = builder.AddSystem(TrajectorySource(rest))
-        builder.Connect(self._positions.get_output_port(), self._plant.get_desired_state_input_port(self.bodies.arm))
-        builder.Connect(self._efforts.get_output_port(), self._plant.get_actuation_input_port(self.bodies.arm))
-        self._simulator = Simulator(builder.Build())
-        self._context = self._plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
+        contact = MultibodyPlantConfig(
+            time_step=config.time_step,
+            contact_model="point",
+            discrete_contact_approximation=config.contact_approximation,
+            sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
+        )
+        self._scene = SimulatedPlant(
+            contact,
+            lambda plant: self._add_scene(plant, spec),
+            gains,
+            lambda plant, scene_graph: filter_flat_contacts(plant, scene_graph, self.bodies),
+        )
+        contact.use_sampled_output_ports = False  # no forces of contact to keep
+        self._arm = SimulatedPlant(contact, lambda plant: add_arm(plant, spec), gains, None)
+        self._sleepers = Sleepers(self._scene, self.bodies, world)
+        self._boxes = {name: self._scene.positions(body.model_instance()) for name, body in self.bodies.boxes.items()}
+        self._q = self._scene.positions(self.bodies.arm)
+        self._arm_x = np.concatenate([self._q, self._scene.velocities(self.bodies.arm)])
+        self._command = (HOME, GripperCommand(GRIPPER_MAX_WIDTH))
+        self._looked = (self._scene.x, self._scene.x)
 
-    def _set_gains(self) -> None:
-        stiffness = [*self.config.arm_stiffness, *2 * [self.config.finger_stiffness]]
-        damping = [*self.config.arm_damping, *2 * [self.config.finger_damping]]
-        for index, p, d in zip(self._plant.GetJointActuatorIndices(), stiffness, damping, strict=True):
-            self._plant.get_joint_actuator(index).set_controller_gains(PdControllerGains(p=p, d=d))
+    def _add_scene(self, plant: MultibodyPlant, spec: SceneSpec) -> ModelInstanceIndex:
+        self.bodies = add_scene(plant, spec)
+        return self.bodies.arm
 
     def run(
-        self,
-        c: Configuration,
-        motion: Sequence[Segment],
-        *,
-        watch: Watcher | None = None,
-        record: Callable[[Frame], None] | None = None,
+        self, c: Configuration, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True
     ) -> Outcome:
         """Execute a motion from c and wait until all is at rest.
 
@@ -148,63 +161,150 @@ class Physics:
             c: where to start.
             motion: segments one after the other; empty just lets the scene settle.
             watch: may end the simulation early.
-            record: is given a frame every `record_period`.
+            record: whether to keep states on the way.
+
+        Raises:
+            RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
+            ValueError: when c was put together from parts that do not belong together.
         """
-        self._start(c, motion)
-        self._record(c, record)
-        time = 0.0
+        self._load(c)
+        return self.proceed(motion, watch=watch, record=record)
+
+    def proceed(self, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True) -> Outcome:
+        """Execute a motion from where the last one ended; see `run`."""
+        before = self._scene.x, self._command
+        try:
+            return self._execute(motion, watch, record, sleep=self.config.sleep)
+        except _SleeperTouchedError:
+            self._sleepers.wake()
+            self._scene.x, self._command = before
+            return self._execute(motion, watch, record, sleep=False)
+
+    def _load(self, c: Configuration) -> None:
+        self._sleepers.wake()
+        self._command = (c.commanded, c.gripper)
+        x = np.zeros(self._scene.x.size)
+        x[self._q] = c.q
+        for name, places in self._boxes.items():
+            x[places] = c.poses[name]
+        if c.x is not None:
+            if self._view(c.x) != Configuration(c.q, c.poses):
+                raise ValueError("x of the configuration belongs to other positions of the arm or the boxes")
+            x = c.x
+        self._scene.x = x
+
+    def _execute(self, motion: Sequence[Segment], watch: Watcher | None, record: bool, *, sleep: bool) -> Outcome:
+        """Execute a motion and wait for rest.
+
+        Raises:
+            _SleeperTouchedError: something that slept was touched.
+        """
+        config = self.config
+        period = max(1, round(config.record_period / config.time_step))
+        tape = _Tape(config.time_step, record)
+        tape.add(0, self._scene.x)
+        self._looked = (self._scene.x, self._scene.x)
+        self._tell(motion)
+        step, elapsed = 0, 0.0
         for segment in motion:
-            time += segment.duration
-            self._gripper = segment.gripper
-            self._simulator.AdvanceTo(time)
+            elapsed += segment.duration
+            end = config.steps(elapsed)
+            step = self._simulate(segment.touches if sleep else None, [*range(step, end, period), end], tape)
+            self._command = (segment.control_points[-1], segment.gripper)
             if watch is not None and not watch(segment, self):
-                return Outcome(self.configuration(), False, segment.label)
-        deadline = time + self.config.settle_time
-        settled = False
-        while not settled and time < deadline:
-            time += self.config.settle_check
-            self._simulator.AdvanceTo(time)
-            settled = self._at_rest()
-        return Outcome(self.configuration(), settled)
+                return Outcome(self.configuration(), False, segment.label, tuple(motion), tape.recording)
+        touches = motion[-1].touches if motion else None
+        if not motion or self._moving():
+            end = step + config.steps(config.settle_time)
+            looks = range(step, end + 1, config.steps(config.settle_check))
+            step = self._simulate(touches if sleep else None, looks, tape, until_rest=True)
+        waited = step * config.time_step - elapsed
+        rest = (stand_still("rest", waited, *self._command, touches),) if motion and waited > 1e-9 else ()
+        return Outcome(self.configuration(), not self._moving(), None, (*motion, *rest), tape.recording)
 
-    def _start(self, c: Configuration, motion: Sequence[Segment]) -> None:
-        end = sum(segment.duration for segment in motion) + self.config.settle_time + 2 * self.config.settle_check
-        self._positions.UpdateTrajectory(desired_positions(c.q[:7], c.gripper, motion, end))
-        self._efforts.UpdateTrajectory(feedforward(c.gripper, motion, end))
-        self._gripper = c.gripper
-        self._simulator.get_mutable_context().SetTime(0.0)
-        plant, context = self._plant, self._context
-        plant.SetPositions(context, self.bodies.arm, c.q)
-        for name, body in self.bodies.boxes.items():
-            plant.SetPositions(context, body.model_instance(), c.poses[name])
-        plant.SetVelocities(context, np.zeros(plant.num_velocities()))
-        self._simulator.Initialize()
+    def _tell(self, motion: Sequence[Segment]) -> None:
+        """Give both plants the commands of a motion."""
+        config, (q, gripper) = self.config, self._command
+        end = sum(segment.duration for segment in motion) + config.settle_time
+        end += 2 * (config.settle_check + config.time_step)
+        positions, efforts = desired_positions(q, gripper, motion, end), feedforward(gripper, motion, end)
+        for simulated in (self._scene, self._arm):
+            simulated.command(positions, efforts)
 
-    def _record(self, c: Configuration, record: Callable[[Frame], None] | None) -> None:
-        if record is None:
-            self._simulator.clear_monitor()
-            return
-        record(Frame(0.0, c))  # the plant knows its contacts only after the first step
-        due = self.config.record_period
+    def _choose(self, touches: frozenset[str] | None, step: int) -> SimulatedPlant:
+        """Let all boxes sleep that may, None lets none, and make the plant ready that simulates what is awake."""
+        simulated = self._scene
+        if touches is None:
+            self._sleepers.wake()
+        else:
+            awake = self._sleepers.connected(self._scene.x, touches | self._moving() | self._gathering_speed())
+            self._sleepers.let_sleep(frozenset(self._boxes) - awake)
+            if not touches and not awake:
+                simulated = self._arm
+                simulated.x = self._scene.x[self._arm_x]
+        simulated.start(step)
+        return simulated
 
-        def monitor(context: Context) -> EventStatus:
-            nonlocal due
-            if context.get_time() >= due:
-                due += self.config.record_period
-                record(Frame(context.get_time(), self.configuration()))
-            return EventStatus.DidNothing()
+    def _simulate(
+        self, touches: frozenset[str] | None, looks: Sequence[int], tape: "_Tape", *, until_rest: bool = False
+    ) -> int:
+        """Simulate from the first of some steps to the last, or until all is at rest at one of them.
 
-        self._simulator.set_monitor(monitor)
+        Args:
+            touches: what may be touched; None for anything.
+            looks: when to look for rest and for contact with what sleeps.
+            tape: is given the states.
+            until_rest: whether rest ends it.
+
+        Returns:
+            The last step.
+
+        Raises:
+            _SleeperTouchedError: something that sleeps was touched.
+        """
+        step, *later = looks
+        simulated = self._choose(touches, step) if later else self._scene
+        for step in later:
+            simulated.advance(step)
+            x = self._scene.x
+            if simulated is self._arm:
+                x[self._arm_x] = simulated.x
+                self._scene.x = x
+            self._looked = self._looked[1], x
+            tape.add(step, x)
+            if self._sleepers.disturbed(x, arm_alone=simulated is self._arm):
+                raise _SleeperTouchedError
+            if until_rest and not self._moving():
+                break
+        return step
+
+    def _moving(self) -> frozenset[str]:
+        """The boxes that are not at rest."""
+        return self._sleepers.moving(self._scene.x, self.config.rest_speed, self.config.rest_turn)
+
+    def _gathering_speed(self) -> frozenset[str]:
+        """The boxes that are slow and were slower at the look before the last one, as when one begins to topple."""
+        before, now = self._looked
+        return self._sleepers.accelerating(before, now, self.config.rest_speed / 20, self.config.rest_turn / 20)
 
     def configuration(self) -> Configuration:
-        """The configuration at this moment; velocities are dropped."""
-        plant, context = self._plant, self._context
-        poses = {n: normalised(plant.GetPositions(context, b.model_instance())) for n, b in self.bodies.boxes.items()}
-        return Configuration(plant.GetPositions(context, self.bodies.arm), poses, self.gripped(), self._gripper)
+        """The configuration at this moment."""
+        x, (commanded, gripper) = self._scene.x, self._command
+        return replace(self._view(x), held=self.gripped(), gripper=gripper, commanded=commanded, x=x)
+
+    def frames(self, recording: Recording) -> list[Frame]:
+        """What there is to see at the times of a recording."""
+        moments = zip(recording.times, recording.states, strict=True)
+        return [Frame(float(time), self._view(x)) for time, x in moments]
+
+    def _view(self, x: FloatArray | None = None) -> Configuration:
+        """Where things are in a state of the scene, by default the state at this moment."""
+        x = self._scene.x if x is None else x
+        return Configuration(x[self._q], {name: normalised(x[places]) for name, places in self._boxes.items()})
 
     def gripped(self) -> str | None:
-        """The box that both fingers press, if any."""
-        results = self._plant.get_contact_results_output_port().Eval(self._context)
+        """The box that both fingers press, if any, as of the last step in which the scene was simulated."""
+        results = self._scene.plant.get_contact_results_output_port().Eval(self._scene.context)
         fingers = [body.index() for body in self.bodies.fingers]
         forces: dict[str, list[float]] = {name: [0.0, 0.0] for name in self.bodies.boxes}
         names = {body.index(): name for name, body in self.bodies.boxes.items()}
@@ -219,10 +319,27 @@ class Physics:
         held = [name for name, pair in forces.items() if min(pair) >= self.config.min_pad_force]
         return held[0] if held else None
 
-    def _at_rest(self) -> bool:
-        for body in self.bodies.boxes.values():
-            velocity = self._plant.EvalBodySpatialVelocityInWorld(self._context, body)
-            moving = np.linalg.norm(velocity.translational()) > self.config.rest_speed
-            if moving or np.linalg.norm(velocity.rotational()) > self.config.rest_turn:
-                return False
-        return True
+
+class _SleeperTouchedError(Exception):
+    """Something that is awake touched something that sleeps."""
+
+
+class _Tape:
+    """States on the way of an execution."""
+
+    def __init__(self, time_step: float, record: bool) -> None:
+        self._time_step = time_step
+        self._record = record
+        self._times: list[float] = []
+        self._states: list[FloatArray] = []
+
+    def add(self, step: int, x: FloatArray) -> None:
+        """Keep the state at a step if states are to be kept; the first always is."""
+        if self._record or not self._states:
+            self._times.append(step * self._time_step)
+            self._states.append(x)
+
+    @property
+    def recording(self) -> Recording:
+        """What was kept."""
+        return Recording(np.array(self._times), np.array(self._states))

@@ -14,6 +14,7 @@ from ictamp_drake.world.poses import to_transform
 
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts among boxes and supports, whose names have no blanks."""
+ROBOT = frozenset({ARM, *FINGERS})
 
 
 class Touch(NamedTuple):
@@ -67,6 +68,14 @@ class World:
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
         """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""
         self.set_configuration(c)
+        return self._touches(tolerance)
+
+    def touches_at(self, q: FloatArray, tolerance: float) -> list[Touch]:
+        """`touches` where the positions of everything, in the order of `plant`, are q."""
+        self.plant.SetPositions(self._plant_context, q)
+        return self._touches(tolerance)
+
+    def _touches(self, tolerance: float) -> list[Touch]:
         query = self._query_port.Eval(self._query_context)
         found = []
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance + 2 * SKIN):

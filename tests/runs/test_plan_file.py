@@ -20,9 +20,11 @@ numbers = st.floats(-10, 10)
 POSE = np.array([1.0, 0, 0, 0, 0, 0, 0])
 
 
-def segment(control_points: FloatArray, order: int, duration: float, force: float) -> Segment:
+def segment(
+    control_points: FloatArray, order: int, duration: float, force: float, touches: frozenset[str] | None
+) -> Segment:
     knots = np.linspace(0, duration, len(control_points) + order)
-    return Segment("lift", duration, GripperCommand(0.05, force), order, knots, control_points)
+    return Segment("lift", duration, GripperCommand(0.05, force), order, knots, control_points, touches)
 
 
 segments = st.builds(
@@ -31,15 +33,27 @@ segments = st.builds(
     st.integers(1, 4),
     st.floats(0.1, 10),
     st.floats(0, 70),
+    st.none() | st.frozensets(st.sampled_from(["red_box", "rack"])),
 )
 
 
-@given(k=arrays(float, 4, elements=numbers), motion=st.lists(segments, min_size=1, max_size=3), q=arrays(float, 9))
+@given(
+    k=arrays(float, 4, elements=numbers),
+    motion=st.lists(segments, min_size=1, max_size=3),
+    q=arrays(float, 9),
+    commanded=st.none() | arrays(float, 7, elements=numbers),
+    x=st.none() | arrays(float, 40, elements=numbers),
+)
 def test_a_plan_survives_bit_for_bit(
-    k: FloatArray, motion: list[Segment], q: FloatArray, tmp_path_factory: pytest.TempPathFactory
+    k: FloatArray,
+    motion: list[Segment],
+    q: FloatArray,
+    commanded: FloatArray | None,
+    x: FloatArray | None,
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     path = tmp_path_factory.mktemp("plan") / "plan.yaml"
-    c = Configuration(np.nan_to_num(q), dict.fromkeys(SPEC.boxes, POSE))
+    c = Configuration(np.nan_to_num(q), dict.fromkeys(SPEC.boxes, POSE), commanded=commanded, x=x)
     action = Action("place", ("red_box", "rack"))
     write_plan(Plan(SPEC, c, (Attempt(action, None, k=k, motion=tuple(motion)),)), path)
     plan = read_plan(path)
@@ -51,7 +65,7 @@ def test_a_plan_survives_bit_for_bit(
     assert attempt.k.tobytes() == k.tobytes()
     for read, written in zip(attempt.motion, motion, strict=True):
         assert (read.label, read.duration, read.order) == (written.label, written.duration, written.order)
-        assert read.gripper == written.gripper
+        assert (read.gripper, read.touches) == (written.gripper, written.touches)
         assert read.knots.tobytes() == written.knots.tobytes()
         assert read.control_points.tobytes() == written.control_points.tobytes()
 
@@ -62,7 +76,7 @@ def test_a_plan_survives_bit_for_bit(
         ("- 1", "is not a plan"),
         ("format: 1", "is not a plan: KeyError"),
         ("format: [", "is not a plan"),
-        ("format: 9", "format is 9, but must be 1"),
+        ("format: 9", "format is 9, but must be 1 or 2"),
     ],
 )
 def test_what_is_no_plan_is_refused(content: str, sentence: str, tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def test_every_round_has_its_draws_and_every_attempt_its_own_number(rows: list[R
 
 def test_every_action_was_applicable_and_labels_are_what_physics_says(rows: list[Row]) -> None:
     world = World(training_scene(SCENE))
-    abstraction, physics = Abstraction(world), PhysicsConfig().create(world.spec)
+    abstraction, physics = Abstraction(world), PhysicsConfig().create(world)
     boxes, supports = sorted(world.spec.boxes), sorted(world.spec.supports)
     for row in rows:
         state = abstraction(row.c)

@@ -55,7 +55,7 @@ def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMISATION, draws: int = 8) 
     """The scene with the default physics and skills."""
     world = World(spec)
     abstraction = Abstraction(world)
-    physics = PhysicsConfig().create(spec)
+    physics = PhysicsConfig().create(world)
     skills = replace(SkillsConfig(), draws=draws).create(world, abstraction, physics, sampler)
     return Rig(world, abstraction, physics, skills)
 

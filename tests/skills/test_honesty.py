@@ -28,8 +28,8 @@ Deepest = dict[tuple[str, str], float]
 def executed(spec: SceneSpec, c: Configuration, motion: Motion, time_step: float | None = None) -> list[Frame]:
     """Every step of a motion, simulated once more."""
     step = time_step or PhysicsConfig().time_step
-    frames: list[Frame] = []
-    PhysicsConfig(time_step=step, record_period=step).create(spec).run(c, motion, record=frames.append)
+    physics = PhysicsConfig(time_step=step, record_period=step).create(World(spec))
+    frames = physics.frames(physics.run(c, motion).recording)
     assert len(frames) >= sum(segment.duration for segment in motion) / step - 1
     return frames
 

@@ -1,10 +1,9 @@
 """Physics: deterministic, at rest when it says so, firm grips, towers that stand, and an arm within its limits."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.systems.framework import Context, EventStatus
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
@@ -50,7 +49,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def physics() -> Physics:
-    return PhysicsConfig().create(pedestal())
+    return PhysicsConfig().create(World(pedestal()))
 
 
 # constants
@@ -75,7 +74,7 @@ def test_the_softest_and_the_stiffest_arm_can_be_built() -> None:
     for stiffness, damping, step in ((1e-3, 0.0, 1e-5), (1e9, 1e9, 0.1)):
         PhysicsConfig(
             step, "sap", (stiffness,) * 7, (damping,) * 7, finger_stiffness=stiffness, finger_damping=damping
-        ).create(pedestal())
+        ).create(World(pedestal()))
 
 
 # determinism
@@ -87,8 +86,8 @@ def test_the_same_start_and_motion_end_the_same_bit_for_bit(world: World, physic
     first = physics.run(c, motion)
     physics.run(first.c, (way("back", AWAY, np.array(HOME), 0.5, OPEN),))  # something else in between
     again = physics.run(c, motion)
-    fresh = PhysicsConfig().create(pedestal()).run(c, motion)
-    recorded = physics.run(c, motion, record=lambda _: None)
+    fresh = PhysicsConfig().create(World(pedestal())).run(c, motion)
+    recorded = physics.run(c, motion, record=False)
     watched = physics.run(c, motion, watch=lambda *_: True)
     for outcome in (again, fresh, recorded, watched):
         assert outcome.c == first.c
@@ -103,14 +102,14 @@ def test_the_same_start_and_motion_end_the_same_bit_for_bit(world: World, physic
 @pytest.mark.parametrize(("roll", "height"), [(0.0, 0.059), (90.0, 0.025)])
 def test_a_dropped_box_comes_to_rest_on_the_table(drop: float, roll: float, height: float) -> None:
     spec = scene({"red_box": box("red_box", (0.5, 0.1, height + drop), (roll, 0.0, 30.0))})
-    outcome = PhysicsConfig().create(spec).run(World(spec).initial_configuration(), ())
+    outcome = PhysicsConfig().create(World(spec)).run(World(spec).initial_configuration(), ())
     assert outcome.settled
     np.testing.assert_allclose(outcome.c.poses["red_box"][4:], [0.5, 0.1, height], atol=2e-4)
 
 
 def test_what_still_moves_has_not_settled() -> None:
     spec = scene({"red_box": box("red_box", (0.5, 0.1, 0.6))})
-    outcome = PhysicsConfig(settle_time=0.2).create(spec).run(World(spec).initial_configuration(), ())
+    outcome = PhysicsConfig(settle_time=0.2).create(World(spec)).run(World(spec).initial_configuration(), ())
     assert not outcome.settled
     assert outcome.stopped_after is None
 
@@ -121,16 +120,15 @@ def test_a_falling_tower_is_not_called_at_rest() -> None:
     height = 0.059 * np.cos(angle) + 0.025 * np.sin(angle)
     spec = scene(standing("red_box"))
     c = arranged(World(spec), {"red_box": pose(0.5, 0.1, height, pitch=np.degrees(angle))})
-    outcome = PhysicsConfig().create(spec).run(c, ())
+    outcome = PhysicsConfig().create(World(spec)).run(c, ())
     assert outcome.settled
     assert outcome.c.poses["red_box"][6] == pytest.approx(0.025, abs=2e-4)
 
 
 def test_poses_keep_unit_quaternions() -> None:
     spec = scene({"red_box": box("red_box", (0.5, 0.1, 0.15), (20.0, 30.0, 40.0))})
-    frames: list[Frame] = []
-    PhysicsConfig().create(spec).run(World(spec).initial_configuration(), (), record=frames.append)
-    for frame in frames:
+    physics = PhysicsConfig().create(World(spec))
+    for frame in physics.frames(physics.run(World(spec).initial_configuration(), ()).recording):
         assert np.linalg.norm(frame.c.poses["red_box"][:4]) == pytest.approx(1.0, abs=1e-12)
 
 
@@ -146,7 +144,7 @@ def test_a_tower_of_four_stands(seed: int) -> None:
         place = place + 0.007 * np.array([np.cos(angle), np.sin(angle)])
     spec = scene(boxes)
     c = World(spec).initial_configuration()
-    outcome = PhysicsConfig().create(spec).run(c, (stay(c, 2.0),))
+    outcome = PhysicsConfig().create(World(spec)).run(c, (stay(c, 2.0),))
     assert outcome.settled
     for name in boxes:
         assert np.linalg.norm(outcome.c.poses[name][4:] - c.poses[name][4:]) < 1e-3
@@ -159,7 +157,7 @@ def test_a_tower_of_four_stands(seed: int) -> None:
 @pytest.mark.parametrize("force", [30.0, MAX_GRIP_FORCE])
 def test_fingers_stop_at_the_surface(world: World, force: float, time_step: float) -> None:
     c = world.initial_configuration()
-    outcome = PhysicsConfig(time_step=time_step).create(pedestal()).run(c, grip_and_carry(c, force)[:1])
+    outcome = PhysicsConfig(time_step=time_step).create(World(pedestal())).run(c, grip_and_carry(c, force)[:1])
     assert np.all(outcome.c.q[7:] < SIDE / 2 + 1e-4)
     np.testing.assert_allclose(outcome.c.q[7:], SIDE / 2, atol=5e-4)
     assert outcome.c.held == "thing"
@@ -169,7 +167,7 @@ def test_fingers_stop_at_the_surface(world: World, force: float, time_step: floa
 @pytest.mark.parametrize("time_step", [PhysicsConfig().time_step, 0.001])
 def test_a_carried_box_neither_slips_nor_drops(world: World, time_step: float) -> None:
     c = world.initial_configuration()
-    physics = PhysicsConfig(time_step=time_step).create(pedestal())
+    physics = PhysicsConfig(time_step=time_step).create(World(pedestal()))
     motion = grip_and_carry(c, 30.0)
     gripped = physics.run(c, motion[:1]).c
     outcome = physics.run(c, motion)
@@ -185,7 +183,7 @@ def test_a_carried_box_neither_slips_nor_drops(world: World, time_step: float) -
 
 def test_a_grip_without_enough_friction_loses_the_box(world: World) -> None:
     c = world.initial_configuration()
-    outcome = PhysicsConfig().create(pedestal(mass=1.5, friction=0.05)).run(c, grip_and_carry(c, 30.0))
+    outcome = PhysicsConfig().create(World(pedestal(mass=1.5, friction=0.05))).run(c, grip_and_carry(c, 30.0))
     assert outcome.c.held is None
     assert to_transform(outcome.c.poses["thing"]).translation()[2] < G_HEIGHT
 
@@ -203,7 +201,7 @@ def test_a_box_that_one_finger_presses_is_not_held() -> None:
     c = world.initial_configuration()
     aside = c.poses["thing"] + [0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.0]
     start = arranged(world, {"thing": aside})
-    outcome = PhysicsConfig().create(spec).run(start, (stay(start, 0.6, GripperCommand(SIDE + 0.016)),))
+    outcome = PhysicsConfig().create(World(spec)).run(start, (stay(start, 0.6, GripperCommand(SIDE + 0.016)),))
     touching = {touch.a for touch in world.touches(outcome.c, 5e-4) if touch.b == "thing"}
     touching |= {touch.b for touch in world.touches(outcome.c, 5e-4) if touch.a == "thing"}
     assert len(touching & set(FINGERS)) == 1
@@ -215,19 +213,22 @@ def test_a_box_that_one_finger_presses_is_not_held() -> None:
 
 def _efforts(physics: Physics, c: Configuration, motion: Motion) -> FloatArray:
     """Largest effort of each of the 9 joints during a motion, shape (9,)."""
-    plant, largest = physics._plant, np.zeros(9)
-    port, context = plant.get_net_actuation_output_port(physics.bodies.arm), physics._context
+    plant, largest = physics._scene.plant, np.zeros(9)
+    port, context = plant.get_net_actuation_output_port(physics.bodies.arm), physics._scene.context
 
-    def record(_: Frame) -> None:
+    def look(_: Context) -> EventStatus:
         np.maximum(largest, np.abs(port.Eval(context)), out=largest)
+        return EventStatus.DidNothing()
 
-    physics.run(c, motion, record=record)
+    physics._scene.simulator.set_monitor(look)
+    physics.run(c, motion)
+    physics._scene.simulator.clear_monitor()
     return largest
 
 
 def test_pushing_into_a_heavy_obstacle_takes_no_more_than_the_effort_limits() -> None:
     spec = SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=standing("red_box"), goal="(on red_box rack)")
-    physics = PhysicsConfig(record_period=0.004).create(spec)
+    physics = PhysicsConfig(record_period=0.004).create(World(spec))
     c = World(spec).initial_configuration()
     through_the_table = np.array([0.0, 1.3, 0.0, -1.2, 0.0, 2.0, 0.8])
     efforts = _efforts(physics, c, (way("push", c.q[:7], through_the_table, 1.5, OPEN), stay(c, 0.2)))
@@ -241,7 +242,7 @@ def test_pushing_into_a_heavy_obstacle_takes_no_more_than_the_effort_limits() ->
 def test_fingers_press_no_harder_than_they_can(world: World) -> None:
     c = world.initial_configuration()
     efforts = _efforts(
-        PhysicsConfig(record_period=0.004).create(pedestal()), c, (stay(c, 1.0, GripperCommand(0.0, 70.0)),)
+        PhysicsConfig(record_period=0.004).create(World(pedestal())), c, (stay(c, 1.0, GripperCommand(0.0, 70.0)),)
     )
     assert np.all(efforts[7:] <= MAX_GRIP_FORCE * (1 + 1e-9))
 
@@ -276,27 +277,25 @@ def test_a_watcher_ends_the_simulation(world: World, physics: Physics, last: int
 
 
 def test_frames_come_once_a_period(world: World) -> None:
-    physics = PhysicsConfig(record_period=0.04).create(pedestal())
+    physics = PhysicsConfig(record_period=0.04).create(World(pedestal()))
     c = world.initial_configuration()
-    frames: list[Frame] = []
-    outcome = physics.run(c, grip_and_carry(c, 30.0), record=frames.append)
-    gaps = [b.time - a.time for a, b in pairwise(frames)]
-    assert frames[0].time <= 0.004 + 1e-9
-    assert np.allclose(gaps, 0.04, atol=0.0041)
-    assert np.mean(gaps) == pytest.approx(0.04, rel=0.01)
-    assert frames[-1].time >= 2.6 - 0.04
-    np.testing.assert_allclose(frames[-1].c.q, outcome.c.q, atol=1e-3)
-    assert {frame.c.held for frame in frames} == {None, "thing"}
-    count = len(frames)
-    physics.run(c, ())
-    assert len(frames) == count  # a recorder is for one run
+    motion = grip_and_carry(c, 30.0)
+    outcome = physics.run(c, motion)
+    frames = physics.frames(outcome.recording)
+    gaps = np.diff([frame.time for frame in frames])
+    assert frames[0] == Frame(0.0, Configuration(c.q, c.poses))
+    assert gaps.max() <= 0.04 + 1e-9
+    assert np.sum(gaps < 0.04 - 1e-9) <= len(outcome.motion), "only the end of a segment comes sooner"
+    assert frames[-1].time == pytest.approx(sum(segment.duration for segment in outcome.motion))
+    assert frames[-1].c == Configuration(outcome.c.q, outcome.c.poses)
+    assert len(physics.run(c, motion, record=False).recording.times) == 1
 
 
 def test_physics_is_the_same_everywhere_in_the_plane() -> None:
     """A box that falls and topples ends in the same way when the whole scene is turned and moved."""
     spec = scene({"red_box": box("red_box", (0.5, 0.1, 0.1), (40.0, 0.0, 10.0))})
     X = RigidTransform(RotationMatrix.MakeZRotation(0.7), [0.05, -0.03, 0.0])
-    physics, world = PhysicsConfig().create(spec), World(spec)
+    physics, world = PhysicsConfig().create(World(spec)), World(spec)
     c = world.initial_configuration()
     moved = arranged(world, {"red_box": to_pose(X @ to_transform(c.poses["red_box"]))})
     ends = [to_transform(physics.run(start, ()).c.poses["red_box"]) for start in (c, moved)]

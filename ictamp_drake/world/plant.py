@@ -1,0 +1,109 @@
+"""A discrete plant of the arm, alone or among everything else, with the controllers that follow a motion."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import (
+    AddMultibodyPlant,
+    ApplyMultibodyPlantConfig,
+    MultibodyPlant,
+    MultibodyPlantConfig,
+)
+from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import TrajectorySource
+from pydrake.trajectories import PiecewisePolynomial, Trajectory
+
+from ictamp_drake.core.types import FloatArray
+
+IntArray = NDArray[np.intp]
+
+
+class SimulatedPlant:
+    """A plant in steps: its time is a whole number of them, from the start of a motion.
+
+    Attributes:
+        plant: with the arm.
+        arm: its model instance, 7 joints and 2 fingers.
+        context: of the plant.
+        simulator: of the diagram.
+    """
+
+    def __init__(
+        self,
+        config: MultibodyPlantConfig,
+        add: Callable[[MultibodyPlant], ModelInstanceIndex],
+        gains: tuple[FloatArray, FloatArray],
+        touch: Callable[[MultibodyPlant, SceneGraph], None] | None,
+    ) -> None:
+        """Build the plant.
+
+        Args:
+            config: time step and contact.
+            add: puts the models into the plant and returns the arm.
+            gains: stiffness and damping of the controllers, of 7 joints [Nm/rad, Nm s/rad] and 2 fingers [N/m, N s/m],
+                each of shape (9,).
+            touch: settles which shapes of the finished plant touch which; None leaves all shapes out.
+        """
+        builder = DiagramBuilder()
+        if touch is None:
+            self.plant = builder.AddSystem(MultibodyPlant(config.time_step))
+            ApplyMultibodyPlantConfig(config, self.plant)
+        else:
+            self.plant, scene_graph = AddMultibodyPlant(config, builder)
+        self._time_step = config.time_step
+        self.arm = add(self.plant)
+        self.plant.set_gravity_enabled(self.arm, False)  # as Franka's controller compensates it
+        for index, p, d in zip(self.plant.GetJointActuatorIndices(), *gains, strict=True):
+            self.plant.get_joint_actuator(index).set_controller_gains(PdControllerGains(p=p, d=d))
+        self.plant.Finalize()
+        if touch is not None:
+            touch(self.plant, scene_graph)
+        rest = PiecewisePolynomial(np.zeros((9, 1)))
+        self._positions = builder.AddSystem(TrajectorySource(rest, output_derivative_order=1))
+        self._efforts = builder.AddSystem(TrajectorySource(rest))
+        builder.Connect(self._positions.get_output_port(), self.plant.get_desired_state_input_port(self.arm))
+        builder.Connect(self._efforts.get_output_port(), self.plant.get_actuation_input_port(self.arm))
+        self.simulator = Simulator(builder.Build())
+        self.context = self.plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
+
+    def command(self, positions: Trajectory, efforts: Trajectory) -> None:
+        """Set desired positions and added efforts of arm and fingers over the time of a motion."""
+        self._positions.UpdateTrajectory(positions)
+        self._efforts.UpdateTrajectory(efforts)
+
+    def start(self, step: int) -> None:
+        """Set the time; the plant's state stays."""
+        self.simulator.get_mutable_context().SetTime(step * self._time_step)
+        self.simulator.Initialize()
+
+    def advance(self, step: int) -> None:
+        """Simulate up to a step.
+
+        Raises:
+            RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
+        """
+        self.simulator.AdvanceTo(step * self._time_step)
+
+    @property
+    def x(self) -> FloatArray:
+        """A copy of the complete state, positions and velocities, shape (n,)."""
+        copy: FloatArray = self.context.get_discrete_state_vector().CopyToVector()
+        return copy
+
+    @x.setter
+    def x(self, value: FloatArray) -> None:
+        self.context.SetDiscreteState(value)
+
+    def positions(self, instance: ModelInstanceIndex) -> IntArray:
+        """Where a model's positions are in `x`."""
+        numbers = np.arange(self.plant.num_positions(), dtype=float)
+        return self.plant.GetPositionsFromArray(instance, numbers).astype(np.intp)
+
+    def velocities(self, instance: ModelInstanceIndex) -> IntArray:
+        """Where a model's velocities are in `x`."""
+        numbers = np.arange(self.plant.num_velocities(), dtype=float)
+        return self.plant.num_positions() + self.plant.GetVelocitiesFromArray(instance, numbers).astype(np.intp)

@@ -1,0 +1,89 @@
+"""Boxes that need not be simulated: at rest, and touched by nothing that moves."""
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.world.build import SceneBodies
+from ictamp_drake.world.plant import SimulatedPlant
+from ictamp_drake.world.world import ROBOT, Touch, World
+
+NEAR = 1e-3
+"""Boxes at most this far apart count as touching [m]: neither sleeps while the other is awake."""
+
+
+class Sleepers:
+    """The sleeping boxes of a simulated scene.
+
+    Their joints are locked, so that they are as firm as a wall. Contact with what is awake stays, and can be noticed.
+    """
+
+    def __init__(self, simulated: SimulatedPlant, bodies: SceneBodies, world: World) -> None:
+        plant = simulated.plant
+        instances = {name: body.model_instance() for name, body in bodies.boxes.items()}
+        self._context = simulated.context
+        self._world = world
+        self._joints = {name: plant.get_joint(plant.GetJointIndices(at)[0]) for name, at in instances.items()}
+        self._velocities = {name: simulated.velocities(at) for name, at in instances.items()}
+        self._asleep: frozenset[str] = frozenset()
+
+    def wake(self) -> None:
+        """Wake all boxes."""
+        self.let_sleep(frozenset())
+
+    def let_sleep(self, names: frozenset[str]) -> None:
+        """Let these boxes sleep, whose velocities become zero, and wake all others."""
+        for name in sorted(self._asleep - names):
+            self._joints[name].Unlock(self._context)
+        for name in sorted(names - self._asleep):
+            self._joints[name].Lock(self._context)
+        self._asleep = names
+
+    def moving(self, x: FloatArray, speed: float, turn: float) -> frozenset[str]:
+        """The boxes that are faster than `speed` [m/s] or turn faster than `turn` [rad/s] in a state of the plant."""
+        twists = ((name, x[places]) for name, places in self._velocities.items())
+        return frozenset(n for n, v in twists if np.linalg.norm(v[3:]) > speed or np.linalg.norm(v[:3]) > turn)
+
+    def accelerating(self, before: FloatArray, now: FloatArray, speed: float, turn: float) -> frozenset[str]:
+        """The boxes that are faster than `speed` [m/s], or turn faster than `turn` [rad/s], and faster than before."""
+        places = self._velocities
+        faster = (n for n, at in places.items() if np.linalg.norm(now[at]) > np.linalg.norm(before[at]))
+        return self.moving(now, speed, turn) & frozenset(faster)
+
+    def connected(self, x: FloatArray, names: Collection[str]) -> frozenset[str]:
+        """The boxes with these names, those that the arm touches, and all that hang together with them by contact.
+
+        So whatever rests or leans on one of them, or carries it, is among them.
+        """
+        neighbours: dict[str, set[str]] = {name: set() for name in self._joints}
+        for touch in self._touches(x, NEAR):
+            for one, other in ((touch.a, touch.b), (touch.b, touch.a)):
+                if one in neighbours:
+                    neighbours[one].add(other)
+        return _reached(neighbours, [name for name in neighbours if name in names or ROBOT & neighbours[name]])
+
+    def disturbed(self, x: FloatArray, *, arm_alone: bool) -> bool:
+        """Whether something awake touches something asleep; an arm alone must touch nothing at all."""
+        if not self._asleep and not arm_alone:
+            return False
+        movable = self._joints.keys() | ROBOT
+        for touch in self._touches(x, 0.0):
+            pair = {touch.a, touch.b}
+            if (arm_alone and pair & ROBOT) or (pair & self._asleep and pair & movable - self._asleep):
+                return True
+        return False
+
+    def _touches(self, x: FloatArray, tolerance: float) -> list[Touch]:
+        return self._world.touches_at(x[: self._world.plant.num_positions()], tolerance)
+
+
+def _reached(neighbours: Mapping[str, set[str]], start: Collection[str]) -> frozenset[str]:
+    reached: set[str] = set()
+    waiting = list(start)
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            waiting += neighbours[name] & neighbours.keys()
+    return frozenset(reached)
