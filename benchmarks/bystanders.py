@@ -1,0 +1,73 @@
+"""What boxes cost that nobody touches: `python benchmarks/bystanders.py`, processor time in one thread.
+
+Plans in turn in two scenes, the same but for the number of boxes: cubes that must get onto other tables, with sixteen
+bystanders and without. Prints the processor time of a simulated second, the median over the skills that were executed,
+of each scene, and the first as a multiple of the second.
+"""
+
+# ruff: noqa: E402
+
+import os
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_threads] = "1"
+time.perf_counter = time.process_time  # before the package imports it: all that it clocks is processor time
+
+import numpy as np
+import tyro
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.options import Method
+from ictamp_drake.runs.solve import prepare, solve
+
+SCENES = Path(__file__).with_name("scenes") / "bystanders"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is compared.
+
+    Attributes:
+        scenes: The scene with many boxes and the one with few.
+        rounds: How often each is planned in.
+        method: How they are planned in.
+    """
+
+    scenes: tuple[Path, Path] = (SCENES / "many.yaml", SCENES / "few.yaml")
+    rounds: int = 2
+    method: Method = Method()
+
+
+def paces(scene: Path, method: Method) -> tuple[bool, list[float]]:
+    """Whether the scene's problem was solved, and the processor time of a simulated second in each executed skill."""
+    result = solve(prepare(scene, method), method).result
+    attempts = [step.attempt for step in result.tree.steps if step.attempt.successor is not None]
+    return result.solved, [attempt.seconds["physics"] / attempt.duration for attempt in attempts]
+
+
+def main() -> None:
+    """Plan in turn and print."""
+    options = tyro.cli(Options, description=__doc__)
+    found: dict[Path, list[float]] = {scene: [] for scene in options.scenes}
+    solved = dict.fromkeys(options.scenes, 0)
+    for number in range(options.rounds):
+        for scene in options.scenes if number % 2 == 0 else options.scenes[::-1]:
+            held, seconds = paces(scene, options.method)
+            solved[scene] += held
+            found[scene] += seconds
+    for scene, seconds in found.items():
+        print(f"{scene.stem}: {np.median(seconds):.3f} s a simulated second, {len(seconds)} skills executed, ", end="")
+        print(f"solved {solved[scene]} of {options.rounds}")
+    many, few = (np.median(found[scene]) for scene in options.scenes)
+    print(f"as a multiple: {many / few:.2f}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except IctampError as error:
+        sys.exit(str(error))

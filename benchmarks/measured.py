@@ -1,0 +1,90 @@
+"""Solves one problem after the other in one tree and says what each took: the child processes of `against.py`.
+
+Imports nothing but the package that PYTHONPATH leads to, which may be older or newer than this file. What the package
+calls seconds, limits of time included, is processor time here. A process first solves a problem that does not count,
+so that imports, networks and whatever else is loaded once are in place; then it reads a problem a line.
+"""
+
+import gc
+import importlib
+import json
+import os
+import shlex
+import sys
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+time.perf_counter = time.process_time
+
+PLACES: dict[str, tuple[str, ...]] = {
+    "Method": ("ictamp_drake.runs.options",),
+    "prepare": ("ictamp_drake.runs.solve",),
+    "solve": ("ictamp_drake.runs.solve",),
+    "record_of": ("ictamp_drake.runs.records",),
+    "problem_files": ("ictamp_drake.scenes.levels",),
+}
+"""Modules that names are or were in; a name that moves gets one more."""
+
+FIGURES = (
+    "solved",
+    "stop_reason",
+    "high_level_plans",
+    "low_level_steps",
+    "plan_length",
+    "plan_duration_s",
+    "seconds_by_stage",
+    "replay_time_s",
+    "kinematic_time_s",
+    "geometric_time_s",
+)
+"""What is kept of a record, as far as its tree has it."""
+
+
+def find(name: str) -> Any:
+    """What has that name in this tree."""
+    for place in PLACES[name]:
+        try:
+            return getattr(importlib.import_module(place), name)
+        except (ImportError, AttributeError):
+            continue
+    raise ImportError(f"cannot find {name} in {', '.join(PLACES[name])}")
+
+
+def solved(problem: dict[str, Any], method: Any) -> dict[str, Any]:
+    """Solve a problem; processor time from before its file is read until a plan is verified or given up [s].
+
+    Args:
+        problem: `scene`, a file, or `level` and `number`, of which each tree takes its own file.
+        method: how it is solved.
+    """
+    path = find("problem_files")(problem["level"], str(problem["number"]))[0] if "number" in problem else None
+    prepare, solve = find("prepare"), find("solve")
+    gc.collect()  # of the problem before
+    start = time.process_time()
+    try:
+        solution = solve(prepare(path or Path(problem["scene"]), method), method)
+        seconds = time.process_time() - start
+        record = vars(find("record_of")("", "", None, method.seed, solution))
+    except Exception:
+        return {"cpu_s": time.process_time() - start, "solved": False, "error": traceback.format_exc()}
+    return {"cpu_s": seconds, **{name: record[name] for name in FIGURES if name in record}}
+
+
+def main(options: str, warm_up: str) -> None:
+    """Warm up, say where the package is, then answer each line."""
+    import tyro  # noqa: PLC0415  (an import of this tree's own process, as all others)
+
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print is no answer
+    method = tyro.cli(find("Method"), args=shlex.split(options))
+    first = solved({"scene": warm_up}, method)
+    package = importlib.import_module("ictamp_drake").__file__
+    print(json.dumps({"package": package, **first}), file=answers, flush=True)
+    for line in sys.stdin:
+        print(json.dumps(solved(json.loads(line), method)), file=answers, flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
