@@ -61,7 +61,7 @@ def box_contacts(size: Size) -> tuple[Shape, ...]:
 def rim_contacts(size: Sequence[float], spacing: float) -> tuple[Shape, ...]:
     """Spheres along the rim of a support's top face: at its corners, and at most `spacing` [m] apart between them.
 
-    Each touches the top face and a side from inside. The size is the support's [m], the origin the centre of its top face.
+    Each touches the top face and a side from inside. The origin is the centre of the top face, the size in [m].
     """
     half = [value / 2 - CONTACT_RADIUS for value in size[:2]]
     x, y = (np.linspace(-h, h, 1 + int(np.ceil(2 * h / spacing))).tolist() for h in half)
