@@ -3,7 +3,10 @@
 A model's only link has the model's name, so that `plant.GetBodyByName(name)` finds it.
 """
 
+from collections.abc import Sequence
 from itertools import product
+
+import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.models.constants import Inertial
@@ -52,6 +55,19 @@ def box_contacts(size: Size) -> tuple[Shape, ...]:
     return tuple(
         Shape(f"contact_{i}", "sphere", (CONTACT_RADIUS,), (x * half[0], y * half[1], z * half[2]))
         for i, (x, y, z) in enumerate(places)
+    )
+
+
+def rim_contacts(size: Sequence[float], spacing: float) -> tuple[Shape, ...]:
+    """Spheres along the rim of a support's top face: at its corners, and at most `spacing` [m] apart between them.
+
+    Each touches the top face and a side from inside. The origin is the centre of the top face, the size in [m].
+    """
+    half = [value / 2 - CONTACT_RADIUS for value in size[:2]]
+    x, y = (np.linspace(-h, h, 1 + int(np.ceil(2 * h / spacing))).tolist() for h in half)
+    places = [*product(x, (-half[1], half[1])), *product((-half[0], half[0]), y[1:-1])]
+    return tuple(
+        Shape(f"rim_{i}", "sphere", (CONTACT_RADIUS,), (*place, -CONTACT_RADIUS)) for i, place in enumerate(places)
     )
 
 

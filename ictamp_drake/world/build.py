@@ -3,14 +3,27 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from pydrake.geometry import Box, CollisionFilterDeclaration, GeometryId, GeometrySet, Role, SceneGraph
+import numpy as np
+from pydrake.geometry import (
+    AddContactMaterial,
+    Box,
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+    ProximityProperties,
+    Role,
+    SceneGraph,
+    Sphere,
+)
+from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
 from ictamp_drake.models import add_package
-from ictamp_drake.models.shapes import box_sdf, rack_sdf, table_sdf
+from ictamp_drake.models.contact import SUPPORT
+from ictamp_drake.models.shapes import box_sdf, rack_sdf, rim_contacts, table_sdf
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
 
@@ -19,6 +32,9 @@ PANDA_URL = "package://ictamp_drake/sdf/panda.sdf"
 SKIN = 5e-5
 """How much smaller boxes are in queries than they are, on every side [m]: faces that touch within 1e-7 m make the
 narrow phase fail or return directions at random, and resting boxes ought to be apart."""
+
+FINEST_RIM = 0.0075
+"""Least distance between two contact points along the rim of a support [m]."""
 
 SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
@@ -53,7 +69,10 @@ def add_arm(plant: MultibodyPlant, spec: SceneSpec) -> ModelInstanceIndex:
 
 
 def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
-    """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification."""
+    """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification.
+
+    A discrete plant, which is there for the physics of contact, also gets the rims of the supports.
+    """
     arm = add_arm(plant, spec)
     parser = Parser(plant)
     supports = {}
@@ -64,6 +83,8 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
     for name, box in sorted(spec.boxes.items()):
         boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.colour))
         plant.SetDefaultFloatingBaseBodyPose(boxes[name], to_transform(box.X_WO))
+    if plant.time_step() > 0.0:
+        _add_rims(plant, spec)
     fingers = (plant.GetBodyByName("panda_leftfinger", arm), plant.GetBodyByName("panda_rightfinger", arm))
     return SceneBodies(arm, plant.GetBodyByName("panda_hand", arm), fingers, boxes, supports)
 
@@ -71,6 +92,25 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
 def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str) -> RigidBody:
     (instance,) = parser.AddModelsFromString(sdf, "sdf")
     return plant.get_body(plant.GetBodyIndices(instance)[0])
+
+
+def _add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
+    """Add contact points along the rims of supports, which carry what overhangs.
+
+    They are half as far apart as the shortest side of a box is long, so there is one beneath a box on either side of
+    its centre wherever it overhangs. They belong to the world: Drake updates the poses of all others at every step.
+    """
+    spacing = max(FINEST_RIM, min(min(box.size) for box in spec.boxes.values()) / 2)
+    surface = ProximityProperties()
+    friction = CoulombFriction(SUPPORT.friction, SUPPORT.friction)
+    AddContactMaterial(SUPPORT.dissipation, SUPPORT.stiffness, friction, surface)
+    surface.AddProperty("material", "relaxation_time", SUPPORT.relaxation_time)
+    world = plant.world_body()
+    for name, support in spec.supports.items():
+        X_WT = to_transform(support.X_WT)
+        for shape in rim_contacts(support.size, spacing):
+            X_WS = X_WT @ RigidTransform(np.array(shape.xyz))
+            plant.RegisterCollisionGeometry(world, X_WS, Sphere(*shape.size), f"{name}_{shape.name}", surface)
 
 
 def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
@@ -94,7 +134,8 @@ def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies:
     """Let flat faces touch at contact points only.
 
     Point contact between two faces is one single point that jumps about; several spheres a face carry it firmly. So
-    sphere against sphere, and box against box, top or pad are filtered; sphere against shape remains.
+    sphere against sphere, and box against box, top or pad are filtered; sphere against shape remains. Spheres of rims
+    are left out, since filters are slow to set up: they seldom meet another sphere, and then touch the solid in it.
     """
     points = _contact_points(scene_graph)
     boxes = [*bodies.boxes.values(), *bodies.supports.values(), *bodies.fingers]

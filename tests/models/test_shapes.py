@@ -14,6 +14,8 @@ from pydrake.systems.framework import DiagramBuilder
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.models import box_sdf, rack_sdf, table_sdf
+from ictamp_drake.models.contact import CONTACT_RADIUS
+from ictamp_drake.models.shapes import box_contacts, rim_contacts
 
 RED = (1.0, 0.0, 0.0)
 
@@ -106,3 +108,56 @@ def test_rack_stands_on_its_feet_below_its_top_face() -> None:
 def test_one_cannot_build_a_rack_of_nothing() -> None:
     with pytest.raises(IctampError, match="shelf: size"):
         rack_sdf("shelf", (0.22, 0.32, 0.02))
+
+
+# rims
+
+MARGIN = 0.003
+ANGLES = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
+DIRECTIONS = np.array([np.cos(ANGLES), np.sin(ANGLES)])
+
+
+def reach_of_contacts(
+    support: np.ndarray, rim: np.ndarray, box: tuple[float, float], centre: np.ndarray, yaw: float
+) -> float:
+    """Distance from a box's centre to the outline of the points that carry it, negative outside [m]."""
+    R = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    feet = np.array([shape.xyz[:2] for shape in box_contacts((*box, 0.05)) if shape.xyz[2] < 0]) @ R.T + centre
+    feet = feet[np.all(np.abs(feet) <= support / 2, axis=1)]
+    beneath = rim[np.all(np.abs((rim - centre) @ R) <= np.array(box) / 2, axis=1)]
+    return float(np.max((np.concatenate([feet, beneath]) - centre) @ DIRECTIONS, axis=0).min())
+
+
+@pytest.mark.parametrize("size", [(0.4, 0.3, 0.02), (0.22, 0.32, 0.16), (0.06, 0.5, 0.02)])
+@pytest.mark.parametrize(("side", "length"), [(0.015, 0.015), (0.015, 0.1), (0.03, 0.05), (0.05, 0.05), (0.05, 0.3)])
+def test_whatever_overhangs_a_rim_is_carried(size: tuple[float, float, float], side: float, length: float) -> None:
+    """With its centre 3 mm inside it rests on points at least 1 mm around that, anywhere, turned by any angle."""
+    rng = np.random.default_rng(0)
+    support = np.array(size[:2])
+    rim = np.array([shape.xyz[:2] for shape in rim_contacts(size, side / 2)])
+    inner = support / 2 - MARGIN
+    reach = np.hypot(side, length) / 2
+    for i in range(1500):
+        # near a corner, near a side, or as near to the rim as may be
+        centre = inner - rng.uniform(0.0, np.minimum(2 * inner, (reach, reach) if i % 3 else (0.0, 2 * inner[1])))
+        yaw = rng.choice([0.0, np.pi / 4, np.pi / 2, rng.uniform(0.0, np.pi)])
+        assert reach_of_contacts(support, rim, (side, length), centre, yaw) > 0.8e-3, (centre, yaw)
+
+
+def test_a_coarser_rim_would_let_boxes_fall() -> None:
+    rim = np.array([shape.xyz[:2] for shape in rim_contacts((0.4, 0.3, 0.02), 0.05)])
+    places = [np.array([0.2 - MARGIN, y]) for y in np.linspace(0.0, 0.05, 50)]
+    assert min(reach_of_contacts(np.array([0.4, 0.3]), rim, (0.05, 0.05), p, 0.4) for p in places) < 0
+
+
+def test_spheres_of_a_rim_touch_top_and_sides_from_inside() -> None:
+    size = (0.22, 0.315, 0.16)
+    spheres = rim_contacts(size, 0.025)
+    places = np.array([shape.xyz for shape in spheres])
+    assert len({shape.name for shape in spheres}) == len(np.unique(places, axis=0)) == len(spheres)
+    np.testing.assert_allclose(places[:, 2] + CONTACT_RADIUS, 0.0)
+    gaps = np.array(size[:2]) / 2 - np.abs(places[:, :2]) - CONTACT_RADIUS
+    np.testing.assert_allclose(gaps.min(axis=1), 0.0, atol=1e-12)
+    assert np.sum(np.all(np.isclose(gaps, 0.0), axis=1)) == 4  # corners
+    others = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(len(places))
+    assert others.min(axis=1).max() <= 0.025 + 1e-9
