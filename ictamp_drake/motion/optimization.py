@@ -1,4 +1,4 @@
-"""Drake's kinematic trajectory optimisation: the quickest splines within the limits of the joints."""
+"""The quickest splines within the limits of the joints: closed forms, and Drake's kinematic trajectory optimisation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from scipy.interpolate import BSpline
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.motion.splines import differentiation, knots, paces
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.scenes.checks import check_fields
 
@@ -99,23 +100,39 @@ class TrajectoryOptimizer:
         """
         return self._program(control_points).solve(_spread(path, _profile(control_points)), radius)
 
+    def follow(self, path: FloatArray, control_points: int) -> Trajectory:
+        """Along a path, in closed form: all control points lie on it, and only the pace is chosen.
+
+        Args:
+            path: joint positions joined by straight lines, shape (m, 7) [rad].
+            control_points: of the spline, at least `LEAST_POINTS`.
+        """
+        efforts = (np.abs(np.diff(path, axis=0)) / self.bounds[1]).max(axis=1)  # what limits short ways is acceleration
+        points = _interpolated(path, efforts, paces(control_points, self.config.order))
+        durations = self.shortest_durations(points)
+        best = int(np.argmin(durations))
+        return self._trajectory(points[best], float(durations[best]))
+
     def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace]) -> Trajectory:
         """Like a trajectory, its control points moved by at most `radius` [rad] so that it meets the demands."""
         return self._program(len(trajectory.control_points)).solve(trajectory.control_points, radius, demands)
+
+    def _trajectory(self, points: FloatArray, duration: float) -> Trajectory:
+        return Trajectory(self.config.order, knots(len(points), self.config.order) * duration, points)
 
     def _program(self, control_points: int) -> "_Program":
         if control_points not in self._programs:
             self._programs[control_points] = _Program(self, control_points)
         return self._programs[control_points]
 
-    def shortest_duration(self, points: FloatArray, knots: FloatArray) -> float:
-        """Least duration [s] within the limits for control points, shape (n, 7), and knots from 0 to 1."""
-        spline = BSpline(knots, points, self.config.order - 1)
-        factors = [_MIN_DURATION]
-        for order, bound in enumerate(self.bounds, start=1):
-            peaks = np.abs(spline.derivative(order).c[: len(points) - order])  # the spline stays below them
-            factors.append(float((peaks / bound).max() ** (1 / order)))
-        return max(factors)
+    def shortest_durations(self, points: FloatArray) -> FloatArray:
+        """Least durations [s] within the limits for the control points of splines, shape (..., n, 7) -> (...)."""
+        found: FloatArray = np.full(points.shape[:-2], _MIN_DURATION)
+        matrices = differentiation(points.shape[-2], self.config.order)
+        for order, (matrix, bound) in enumerate(zip(matrices, self.bounds, strict=True), start=1):
+            used = np.abs(matrix @ points) / bound  # the spline stays below its control points
+            found = np.maximum(found, used.max(axis=(-2, -1)) ** (1 / order))
+        return found
 
 
 class _Program:
@@ -148,22 +165,24 @@ class _Program:
         corridor = self._set_corridor(guess, radius)
         weight = config.straightness / guess.size
         self._pull.UpdateCoefficients(2 * weight * np.eye(guess.size), -2 * weight * guess.ravel())
-        program, knots = self._trajectory.get_mutable_prog(), np.array(self._trajectory.basis().knots())
-        duration = optimizer.shortest_duration(guess, knots)
+        program = self._trajectory.get_mutable_prog()
+        duration = float(optimizer.shortest_durations(guess))
         program.SetInitialGuess(self._points, guess.T)
         program.SetInitialGuess(self._duration, duration)
-        added = [self._add_demands(knots, demands)] if demands else []
+        added = [self._add_demands(demands)] if demands else []
         solution = self._solver.Solve(program, None, self._options).GetSolution(self._points).T
         for binding in added:
             program.RemoveConstraint(binding)
         points = np.clip(solution, *corridor)
-        shorter = optimizer.shortest_duration(points, knots)
+        shorter = float(optimizer.shortest_durations(points))
         if not (demands or shorter <= duration) or not np.isfinite(shorter):
             points, shorter = guess, duration
-        return Trajectory(config.order, knots * shorter, points)
+        return Trajectory(config.order, knots(len(points), config.order) * shorter, points)
 
-    def _add_demands(self, knots: FloatArray, demands: Sequence[HalfSpace]) -> Binding[LinearConstraint]:
-        basis = BSpline.design_matrix(np.array([d.share for d in demands]), knots, self._optimizer.config.order - 1)
+    def _add_demands(self, demands: Sequence[HalfSpace]) -> Binding[LinearConstraint]:
+        order = self._optimizer.config.order
+        shares = np.array([demand.share for demand in demands])
+        basis = BSpline.design_matrix(shares, knots(self._points.shape[1], order), order - 1)
         normals = np.array([demand.normal for demand in demands])
         rows = np.einsum("ri,rj->rij", basis.toarray(), normals).reshape(len(demands), -1)
         offsets = [demand.offset for demand in demands]
@@ -188,5 +207,10 @@ def _profile(n: int) -> FloatArray:
 
 def _spread(path: FloatArray, shares: FloatArray) -> FloatArray:
     """Points at shares of the path's length, shape (n, 7)."""
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
-    return np.column_stack([np.interp(shares * lengths[-1], lengths, column) for column in path.T])
+    return _interpolated(path, np.linalg.norm(np.diff(path, axis=0), axis=1), shares)
+
+
+def _interpolated(path: FloatArray, lengths: FloatArray, shares: FloatArray) -> FloatArray:
+    """Points at shares of a path's length, shape (...) -> (..., 7), when its pieces count as so long."""
+    places = np.append(0.0, np.cumsum(lengths))
+    return np.stack([np.interp(shares * places[-1], places, column) for column in path.T], axis=-1)

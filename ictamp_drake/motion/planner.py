@@ -117,7 +117,7 @@ class MotionPlanner:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         with self.stopwatch.stage("trajectory"):
             points = max(self.config.trajectory.control_points, len(path) + 5)
-            trajectory = self.optimizer.along(path, self.config.line_radius, points)
+            trajectory = self.optimizer.follow(path, points)
         if self._is_free(trajectory):
             return Planned(trajectory, "straight")
         failure = Failure.NO_PATH if self.scene.is_free(trajectory.end) else Failure.GOAL_IN_COLLISION
@@ -191,4 +191,4 @@ class MotionPlanner:
         return self.scene.first_contact(self._samples(trajectory), padding)
 
     def _samples(self, trajectory: Trajectory) -> FloatArray:
-        return sample(trajectory, self.kinematics.forward, self.config.step, self.config.turn)
+        return sample(trajectory, self.kinematics.forward_all, self.config.step, self.config.turn)

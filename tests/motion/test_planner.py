@@ -28,7 +28,7 @@ def posture(planner: MotionPlanner, X_WG: RigidTransform) -> FloatArray:
 def check_free(world: World, planner: MotionPlanner, c: Configuration, planned: Planned | Refusal, overlaps) -> Planned:
     """Free of collisions at 5 mm and 0.01 rad, twice as fine as promised, in the eyes of plain queries."""
     assert isinstance(planned, Planned), planned
-    for q in sample(planned.trajectory, planner.kinematics.forward, 0.005, 0.01):
+    for q in sample(planned.trajectory, planner.kinematics.forward_all, 0.005, 0.01):
         assert max(overlaps(world, c, q).values(), default=0.0) < 1.5e-3  # the held box counts as 1 mm smaller
     return planned
 
@@ -143,7 +143,7 @@ def test_held_box_makes_the_transfer_rise(world: World, planner: MotionPlanner, 
     full = check_free(world, planner, c, planner.transfer(q0, q1, rng()), overlaps)
     tops = []
     for trajectory in (empty.trajectory, full.trajectory):
-        qs = sample(trajectory, planner.kinematics.forward, 0.01, 0.02)
+        qs = sample(trajectory, planner.kinematics.forward_all, 0.01, 0.02)
         tops.append(max(planner.kinematics.forward(q).translation()[2] for q in qs))
     assert tops[1] > max(tops[0], 0.254 + 0.09 + 0.053)
 
