@@ -20,6 +20,9 @@ LEAST_POINTS = 7
 
 _MIN_DURATION = 1e-3
 
+_TOLERANCE = 1e-3
+"""Of optimality, as SNOPT means it; finer ones shorten no trajectory by more than a thousandth."""
+
 
 class HalfSpace(NamedTuple):
     """A demand on one moment of a trajectory: normal @ q >= offset.
@@ -75,7 +78,7 @@ class TrajectoryConfig:
 
 
 class TrajectoryOptimizer:
-    """Fastest splines within the joints' limits. Keeps one program for each number of control points."""
+    """Fastest splines within the joints' limits. Keeps a program or two for each number of control points."""
 
     def __init__(self, config: TrajectoryConfig | None = None) -> None:
         self.config = config or TrajectoryConfig()
@@ -84,11 +87,11 @@ class TrajectoryOptimizer:
         fractions = np.array([self.config.velocity, self.config.acceleration, self.config.jerk])
         self.bounds = limits[:, 2:5].T * fractions[:, None]
         """Largest velocity, acceleration and jerk of each joint, shape (3, 7) [rad/s, rad/s^2, rad/s^3]."""
-        self._programs: dict[int, _Program] = {}
+        self._programs: dict[tuple[int, int], _Program] = {}
 
     def free(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
         """From q0 to q1, both of shape (7,) [rad], whatever is in the way."""
-        return self.along(np.array([q0, q1]), np.inf, self.config.control_points)
+        return self.around(self.follow(np.array([q0, q1]), self.config.control_points), np.inf)
 
     def along(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
         """Through the corridor around a path from its first to its last row.
@@ -98,7 +101,7 @@ class TrajectoryOptimizer:
             radius: how far each coordinate of a control point may leave the path [rad].
             control_points: of the spline, at least `LEAST_POINTS`; more of them follow a crooked path closer.
         """
-        return self._program(control_points).solve(_spread(path, _profile(control_points)), radius)
+        return self._solve(_spread(path, _profile(control_points)), radius)
 
     def follow(self, path: FloatArray, control_points: int) -> Trajectory:
         """Along a path, in closed form: all control points lie on it, and only the pace is chosen.
@@ -113,39 +116,52 @@ class TrajectoryOptimizer:
         best = int(np.argmin(durations))
         return self._trajectory(points[best], float(durations[best]))
 
-    def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace]) -> Trajectory:
+    def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
         """Like a trajectory, its control points moved by at most `radius` [rad] so that it meets the demands."""
-        return self._program(len(trajectory.control_points)).solve(trajectory.control_points, radius, demands)
+        return self._solve(trajectory.control_points, radius, demands)
+
+    def _solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
+        """As `_Program.solve`. Limits of jerk, a third of the work, are heeded only where they are broken otherwise."""
+        for limits in (2, 3):
+            points = self._program(len(guess), limits).solve(guess, radius, demands)
+            duration = float(self.shortest_durations(points))
+            if duration <= self.shortest_durations(points, limits):
+                break
+        return self._trajectory(points, duration)
 
     def _trajectory(self, points: FloatArray, duration: float) -> Trajectory:
         return Trajectory(self.config.order, knots(len(points), self.config.order) * duration, points)
 
-    def _program(self, control_points: int) -> "_Program":
-        if control_points not in self._programs:
-            self._programs[control_points] = _Program(self, control_points)
-        return self._programs[control_points]
+    def _program(self, control_points: int, limits: int) -> "_Program":
+        if (control_points, limits) not in self._programs:
+            self._programs[control_points, limits] = _Program(self, control_points, limits)
+        return self._programs[control_points, limits]
 
-    def shortest_durations(self, points: FloatArray) -> FloatArray:
-        """Least durations [s] within the limits for the control points of splines, shape (..., n, 7) -> (...)."""
+    def shortest_durations(self, points: FloatArray, limits: int = 3) -> FloatArray:
+        """Least durations [s] for the control points of splines, shape (..., n, 7) -> (...).
+
+        Args:
+            points: see above.
+            limits: heeded ones, of velocity, acceleration and jerk, in this order.
+        """
         found: FloatArray = np.full(points.shape[:-2], _MIN_DURATION)
         matrices = differentiation(points.shape[-2], self.config.order)
-        for order, (matrix, bound) in enumerate(zip(matrices, self.bounds, strict=True), start=1):
+        for order, (matrix, bound) in enumerate(zip(matrices[:limits], self.bounds, strict=False), start=1):
             used = np.abs(matrix @ points) / bound  # the spline stays below its control points
             found = np.maximum(found, used.max(axis=(-2, -1)) ** (1 / order))
         return found
 
 
 class _Program:
-    def __init__(self, optimizer: TrajectoryOptimizer, control_points: int) -> None:
-        self._optimizer = optimizer
+    def __init__(self, optimizer: TrajectoryOptimizer, control_points: int, limits: int) -> None:
+        self._optimizer, self._limits = optimizer, limits
         config = optimizer.config
         self._trajectory = KinematicTrajectoryOptimization(7, control_points, config.order)
         program = self._trajectory.get_mutable_prog()
         self._points, self._duration = self._trajectory.control_points(), self._trajectory.duration()
-        velocity, acceleration, jerk = optimizer.bounds
-        self._trajectory.AddVelocityBounds(-velocity, velocity)
-        self._trajectory.AddAccelerationBounds(-acceleration, acceleration)
-        self._trajectory.AddJerkBounds(-jerk, jerk)
+        add = self._trajectory.AddVelocityBounds, self._trajectory.AddAccelerationBounds, self._trajectory.AddJerkBounds
+        for add_bounds, bound in zip(add[:limits], optimizer.bounds, strict=False):
+            add_bounds(-bound, bound)
         self._trajectory.AddDurationConstraint(_MIN_DURATION, config.max_duration)
         self._trajectory.AddDurationCost(1.0)
         flat = self._points.T.ravel()
@@ -155,18 +171,17 @@ class _Program:
         self._options.SetOption(SnoptSolver.id(), "Major iterations limit", config.iterations)
         self._options.SetOption(SnoptSolver.id(), "Iterations limit", 50 * config.iterations)
 
-    def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
-        """A trajectory whose control points are at most `radius` from those of the guess, shape (n, 7).
+    def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace]) -> FloatArray:
+        """Control points of a quick trajectory, at most `radius` from those of the guess, shape (n, 7).
 
         Any control points obey the limits when time is stretched, so what an unfinished optimisation has reached
         serves as well, if it is better than the guess. Demands that can't be met are left unmet.
         """
-        config, optimizer = self._optimizer.config, self._optimizer
         corridor = self._set_corridor(guess, radius)
-        weight = config.straightness / guess.size
+        weight = self._optimizer.config.straightness / guess.size
         self._pull.UpdateCoefficients(2 * weight * np.eye(guess.size), -2 * weight * guess.ravel())
         program = self._trajectory.get_mutable_prog()
-        duration = float(optimizer.shortest_durations(guess))
+        duration = float(self._optimizer.shortest_durations(guess, self._limits))
         program.SetInitialGuess(self._points, guess.T)
         program.SetInitialGuess(self._duration, duration)
         added = [self._add_demands(demands)] if demands else []
@@ -174,10 +189,8 @@ class _Program:
         for binding in added:
             program.RemoveConstraint(binding)
         points = np.clip(solution, *corridor)
-        shorter = float(optimizer.shortest_durations(points))
-        if not (demands or shorter <= duration) or not np.isfinite(shorter):
-            points, shorter = guess, duration
-        return Trajectory(config.order, knots(len(points), config.order) * shorter, points)
+        shorter = float(self._optimizer.shortest_durations(points, self._limits))
+        return points if (demands or shorter <= duration) and np.isfinite(shorter) else guess
 
     def _add_demands(self, demands: Sequence[HalfSpace]) -> Binding[LinearConstraint]:
         order = self._optimizer.config.order
