@@ -26,6 +26,9 @@ VELOCITY: FloatArray = np.array([limits.velocity for limits in ARM_LIMITS])
 _ROUNDS = 4
 """In so many parts, the nearest first, the angles of the last joint are looked at for travel times."""
 
+_LINES = 15
+"""Lines that are remembered: whether there is one is often asked before it is taken."""
+
 
 @dataclass(frozen=True)
 class KinematicsConfig:
@@ -89,6 +92,7 @@ class ArmKinematics:
         self._grasp = self.plant.GetFrameByName("grasp")
         self.lower = LOWER + self.config.joint_margin
         self.upper = UPPER - self.config.joint_margin
+        self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
         self._last = np.arange(self.lower[6], self.upper[6], self.config.last_step)
 
     def forward(self, q: FloatArray) -> RigidTransform:
@@ -143,7 +147,9 @@ class ArmKinematics:
         for some in np.array_split(order, _ROUNDS):
             open_ = np.flatnonzero(least > turns[some[0]])  # the last joint alone takes longer from here on
             found = postures(np.repeat(X_BG[open_], len(some), axis=0), np.tile(last[some], len(open_)))
-            times = np.where(self._within_limits(found), (np.abs(found - q) / VELOCITY).max(axis=2), np.inf)
+            times = np.full(found.shape[:2], np.inf)
+            inside = self._within_limits(found)
+            times[inside] = (np.abs(found[inside] - q) / VELOCITY).max(axis=1)
             least[open_] = np.minimum(least[open_], times.reshape(8, len(open_), len(some)).min(axis=(0, 2)))
         return least
 
@@ -162,6 +168,13 @@ class ArmKinematics:
 
         The hand turns evenly when the orientations differ. None when a joint limit or a singularity is in the way.
         """
+        key = q0.tobytes(), X_WG1.GetAsMatrix34().tobytes()
+        if key not in self._lines:
+            self._lines = dict([*self._lines.items()][-_LINES:])
+            self._lines[key] = self._line(q0, X_WG1)
+        return self._lines[key]
+
+    def _line(self, q0: FloatArray, X_WG1: RigidTransform) -> FloatArray | None:
         X_WG0 = self.forward(q0)
         turn = (X_WG0.rotation().inverse() @ X_WG1.rotation()).ToAngleAxis()
         distance = float(np.linalg.norm(X_WG1.translation() - X_WG0.translation()))
@@ -172,7 +185,9 @@ class ArmKinematics:
             if q is None or np.abs(q - qs[-1]).max() > self.config.line_joint_step:
                 return None
             qs.append(q)
-        return np.array(qs)
+        path = np.array(qs)
+        path.setflags(write=False)
+        return path
 
     def _follow(self, q: FloatArray, X_WG: RigidTransform) -> FloatArray | None:
         """Newton's method with the least change of the joints."""
