@@ -136,7 +136,7 @@ class _Shapes:
         self._held: tuple[str, GeometryId] | None = None
         self._q = self._plant.GetPositions(self._context).copy()
         self._leave_only_collision_shapes()
-        self.are_grown = grown > 0 and all([self._grow(geometry, grown) for geometry in still])
+        self.are_grown = grown > 0 and all(self._grow(geometry, grown) for geometry in still)
         self._filters = self._scene_graph.collision_filter_manager(self._scene_context)
         self._filter(still)
 

@@ -65,9 +65,7 @@ class Trajectory:
         return Segment(label, self.duration, gripper, self.order, self.knots, self.control_points)
 
 
-def sample(
-    trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], step: float, turn: float
-) -> FloatArray:
+def sample(trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], step: float, turn: float) -> FloatArray:
     """Joint positions along a trajectory, both ends included, shape (m, 7) [rad].
 
     Between neighbours the hand moves at most `step` [m], and neither hand nor any joint turns more than `turn` [rad].
