@@ -16,6 +16,7 @@ from pydrake.geometry import (
     GeometrySet,
     ProximityProperties,
     QueryObject,
+    SceneGraphInspector,
 )
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import JacobianWrtVariable, RigidBody
@@ -39,7 +40,7 @@ class Contact(NamedTuple):
 
 
 class CollisionScene:
-    """The scene of one configuration c, for many positions of the arm. Holds one Drake context.
+    """The scene of one configuration c, for many positions of the arm. Holds two Drake contexts.
 
     The held box moves with the hand, everything else stands where c says; contact among the things that stand still
     does not count.
@@ -48,29 +49,125 @@ class CollisionScene:
         world: the scene.
         held_shrinkage: how much the held box is smaller than it is on every side, so that resting contact is no
             collision [m].
+        padding: up to which padding `is_free` is quick [m].
     """
 
-    def __init__(self, world: World, held_shrinkage: float = 0.001) -> None:
-        self._shrinkage = held_shrinkage
-        self._world = world
-        self._plant = world.plant
-        self._scene_graph = world.diagram.scene_graph()
-        self._root = world.diagram.CreateDefaultContext()
-        self._context = self._plant.GetMyMutableContextFromRoot(self._root)
-        self._scene_context = self._scene_graph.GetMyMutableContextFromRoot(self._root)
-        self._port = self._scene_graph.get_query_output_port()
-        self._filters = self._scene_graph.collision_filter_manager(self._scene_context)
+    def __init__(self, world: World, held_shrinkage: float = 0.001, padding: float = 0.005) -> None:
+        inspector = world.diagram.scene_graph().model_inspector()
         self._still = frozenset(
             geometry
             for body in (*world.bodies.boxes.values(), *world.bodies.supports.values())
-            for geometry in self._plant.GetCollisionGeometriesForBody(body)
+            for geometry in world.plant.GetCollisionGeometriesForBody(body)
+            if inspector.GetProximityProperties(geometry) is not None
         )
-        self._filters.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(list(self._still))))
-        self._held: tuple[str, GeometryId] | None = None
+        self._exact, self._padded = (_Shapes(world, self._still, held_shrinkage, grown) for grown in (0.0, padding))
+        self._padding = padding if self._padded.are_grown else 0.0
         self.set_configuration(world.initial_configuration())
 
     def set_configuration(self, c: Configuration) -> None:
         """Put the boxes where c has them, the held one into the hand, and the fingers where c has them."""
+        for shapes in (self._exact, self._padded):
+            shapes.set_configuration(c)
+
+    def is_free(self, q: FloatArray, padding: float = 0.0) -> bool:
+        """Whether the arm at q, shape (7,) [rad], touches neither the scene nor itself.
+
+        Args:
+            q: joint positions.
+            padding: distance that arm and held box keep from what stands still [m]; 0 is much quicker.
+        """
+        if 0 < padding <= self._padding and not self._padded.query(q).HasCollisions():
+            return True
+        return not self._exact.query(q).HasCollisions() and (padding <= 0 or not self.contacts(q, padding))
+
+    def are_free(self, qs: FloatArray, padding: float = 0.0) -> bool:
+        """Whether all of qs, shape (m, 7), are free; far apart ones are looked at first, the first contact ends it."""
+        return all(self.is_free(qs[i], padding) for i in sorted(range(len(qs)), key=lambda i: -(i & -i)))
+
+    def contacts(self, q: FloatArray, padding: float = 0.0) -> list[Contact]:
+        """What overlaps or is nearer than the padding at q, shape (7,) [rad], nearest first."""
+        found = []
+        for pair in self._exact.query(q).ComputeSignedDistancePairwiseClosestPoints(padding):
+            still = {pair.id_A, pair.id_B} & self._still
+            if still or pair.distance < 0:  # parts of the arm may come near each other
+                moving, other = (pair.id_B, pair.id_A) if pair.id_A in still else (pair.id_A, pair.id_B)
+                found.append(Contact(self._exact.name(moving), self._exact.name(other), pair.distance))
+        return sorted(found, key=lambda contact: contact.distance)
+
+    def first_contact(self, qs: FloatArray, padding: float = 0.0) -> Contact | None:
+        """What is met first along qs, shape (m, 7)."""
+        colliding = (q for q in qs if not self.is_free(q, padding))
+        return next((contacts[0] for q in colliding if (contacts := self.contacts(q, padding))), None)
+
+    def clearance(self, q: FloatArray, limit: float) -> float:
+        """Distance to what stands still, `limit` when it is larger; negative in collision [m]."""
+        return min((contact.distance for contact in self.contacts(q, limit)), default=limit)
+
+    def clearance_gradients(self, q: FloatArray, limit: float) -> list[tuple[float, FloatArray]]:
+        """Distances below the limit [m] between moving and still things, each with its derivative by q, shape (7,)."""
+        query = self._exact.query(q)
+        found = []
+        for pair in query.ComputeSignedDistancePairwiseClosestPoints(limit):
+            if not {pair.id_A, pair.id_B} & self._still:
+                continue
+            still_B = pair.id_B in self._still
+            moving, p_GC = (pair.id_A, pair.p_ACa) if still_B else (pair.id_B, pair.p_BCb)
+            away = pair.nhat_BA_W if still_B else -pair.nhat_BA_W
+            found.append((pair.distance, away @ self._exact.jacobian(moving, p_GC)))
+        return found
+
+
+class _Shapes:
+    """The shapes of a scene in a context of their own, those that stand still grown by some length on every side.
+
+    A grown shape holds all that is nearer to the shape than this length, and some more.
+    """
+
+    def __init__(self, world: World, still: frozenset[GeometryId], held_shrinkage: float, grown: float) -> None:
+        self._shrinkage = held_shrinkage
+        self._world = world
+        self._plant = world.plant
+        self._scene_graph = world.diagram.scene_graph()
+        self._source = self._plant.get_source_id()
+        self._root = world.diagram.CreateDefaultContext()
+        self._context = self._plant.GetMyMutableContextFromRoot(self._root)
+        self._scene_context = self._scene_graph.GetMyMutableContextFromRoot(self._root)
+        self._port = self._scene_graph.get_query_output_port()
+        self._held: tuple[str, GeometryId] | None = None
+        self._q = self._plant.GetPositions(self._context).copy()
+        self._leave_only_collision_shapes()
+        self.are_grown = grown > 0 and all(self._grow(geometry, grown) for geometry in still)
+        self._filters = self._scene_graph.collision_filter_manager(self._scene_context)
+        self._filter(still)
+
+    def _filter(self, still: frozenset[GeometryId]) -> None:
+        """Changed shapes have lost all filters, also those between what is welded to the world."""
+        welded = self._plant.GetBodiesWeldedTo(self._plant.world_body())
+        declaration = CollisionFilterDeclaration()
+        declaration.ExcludeWithin(GeometrySet(list(still)))
+        declaration.ExcludeWithin(GeometrySet([self._frame(body) for body in welded]))
+        self._filters.Apply(declaration)
+
+    def _leave_only_collision_shapes(self) -> None:
+        """The others are moved with every query, too."""
+        inspector = self._inspector()
+        for geometry in inspector.GetAllGeometryIds():
+            if inspector.GetProximityProperties(geometry) is None:
+                self._scene_graph.RemoveGeometry(self._scene_context, self._source, geometry)
+
+    def _grow(self, geometry: GeometryId, length: float) -> bool:
+        """Whether the shape is one that can be grown."""
+        shape = self._inspector().GetShape(geometry)
+        if not isinstance(shape, Box):
+            return False
+        self._scene_graph.ChangeShape(self._scene_context, self._source, geometry, Box(shape.size() + 2 * length))
+        return True
+
+    def _inspector(self) -> SceneGraphInspector:
+        return self._port.Eval(self._scene_context).inspector()
+
+    def set_configuration(self, c: Configuration) -> None:
+        """See `CollisionScene`."""
         bodies = self._world.bodies
         self._plant.SetPositions(self._context, bodies.arm, c.q)
         for name, body in bodies.boxes.items():
@@ -84,15 +181,14 @@ class CollisionScene:
 
     def _detach(self) -> None:
         if self._held is not None:
-            self._scene_graph.RemoveGeometry(self._scene_context, self._plant.get_source_id(), self._held[1])
+            self._scene_graph.RemoveGeometry(self._scene_context, self._source, self._held[1])
             self._held = None
 
     def _attach(self, name: str, X_HO: RigidTransform) -> None:
         box = GeometryInstance(X_HO, Box(self._world.sizes[name] - 2 * self._shrinkage), f"held_{name}")
         box.set_proximity_properties(ProximityProperties())
-        geometry = self._scene_graph.RegisterGeometry(
-            self._scene_context, self._plant.get_source_id(), self._frame(self._world.bodies.hand), box
-        )
+        hand = self._frame(self._world.bodies.hand)
+        geometry = self._scene_graph.RegisterGeometry(self._scene_context, self._source, hand, box)
         fingers = GeometrySet([self._frame(body) for body in self._world.bodies.fingers])
         self._filters.Apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(geometry), fingers))
         self._held = name, geometry
@@ -100,58 +196,15 @@ class CollisionScene:
     def _frame(self, body: RigidBody) -> FrameId:
         return self._plant.GetBodyFrameIdOrThrow(body.index())
 
-    def _query(self, q: FloatArray) -> QueryObject:
+    def query(self, q: FloatArray) -> QueryObject:
+        """With the arm at q, shape (7,) [rad]; good until the next one."""
         self._q[:7] = q  # the arm was added first, so its positions are the first ones
         self._plant.SetPositions(self._context, self._q)
         return self._port.Eval(self._scene_context)
 
-    def is_free(self, q: FloatArray, padding: float = 0.0) -> bool:
-        """Whether the arm at q, shape (7,) [rad], touches neither the scene nor itself.
-
-        Args:
-            q: joint positions.
-            padding: distance that arm and held box keep from what stands still [m]; 0 is much quicker.
-        """
-        return not self._query(q).HasCollisions() and (padding <= 0 or not self.contacts(q, padding))
-
-    def are_free(self, qs: FloatArray, padding: float = 0.0) -> bool:
-        """Whether all of qs, shape (m, 7), are free; far apart ones are looked at first, the first contact ends it."""
-        return all(self.is_free(qs[i], padding) for i in sorted(range(len(qs)), key=lambda i: -(i & -i)))
-
-    def contacts(self, q: FloatArray, padding: float = 0.0) -> list[Contact]:
-        """What overlaps or is nearer than the padding at q, shape (7,) [rad], nearest first."""
-        found = []
-        for pair in self._query(q).ComputeSignedDistancePairwiseClosestPoints(padding):
-            still = {pair.id_A, pair.id_B} & self._still
-            if still or pair.distance < 0:  # parts of the arm may come near each other
-                moving, other = (pair.id_B, pair.id_A) if pair.id_A in still else (pair.id_A, pair.id_B)
-                found.append(Contact(self._name(moving), self._name(other), pair.distance))
-        return sorted(found, key=lambda contact: contact.distance)
-
-    def first_contact(self, qs: FloatArray, padding: float = 0.0) -> Contact | None:
-        """What is met first along qs, shape (m, 7)."""
-        return next((contacts[0] for q in qs if (contacts := self.contacts(q, padding))), None)
-
-    def clearance(self, q: FloatArray, limit: float) -> float:
-        """Distance to what stands still, `limit` when it is larger; negative in collision [m]."""
-        return min((contact.distance for contact in self.contacts(q, limit)), default=limit)
-
-    def clearance_gradients(self, q: FloatArray, limit: float) -> list[tuple[float, FloatArray]]:
-        """Distances below the limit [m] between moving and still things, each with its derivative by q, shape (7,)."""
-        query = self._query(q)
-        found = []
-        for pair in query.ComputeSignedDistancePairwiseClosestPoints(limit):
-            if not {pair.id_A, pair.id_B} & self._still:
-                continue
-            still_B = pair.id_B in self._still
-            moving, p_GC = (pair.id_A, pair.p_ACa) if still_B else (pair.id_B, pair.p_BCb)
-            away = pair.nhat_BA_W if still_B else -pair.nhat_BA_W
-            found.append((pair.distance, away @ self._jacobian(query, moving, p_GC)))
-        return found
-
-    def _jacobian(self, query: QueryObject, geometry: GeometryId, p_GC: FloatArray) -> FloatArray:
-        """Of the velocity in W of a point of a moving geometry, shape (3, 7)."""
-        inspector = query.inspector()
+    def jacobian(self, geometry: GeometryId, p_GC: FloatArray) -> FloatArray:
+        """Of the velocity in W of a point of a moving geometry where the last query was, shape (3, 7)."""
+        inspector = self._inspector()
         body = self._plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
         world = self._plant.world_frame()
         jacobian = self._plant.CalcJacobianTranslationalVelocity(
@@ -164,10 +217,10 @@ class CollisionScene:
         )
         return np.asarray(jacobian)[:, :7]
 
-    def _name(self, geometry: GeometryId) -> str:
+    def name(self, geometry: GeometryId) -> str:
+        """Of the body that it belongs to."""
         if self._held is not None and geometry == self._held[1]:
             return self._held[0]
-        frame = self._port.Eval(self._scene_context).inspector().GetFrameId(geometry)
-        body = self._plant.GetBodyFromFrameId(frame)
+        body = self._plant.GetBodyFromFrameId(self._inspector().GetFrameId(geometry))
         assert body is not None
         return str(body.name())

@@ -21,7 +21,6 @@ class MotionConfig:
         turn: largest turn of the hand and of each joint between two collision checks [rad].
         padding: distance from the scene that transfers keep, as far as their ends have it [m].
         held_shrinkage: how much smaller than it is the held box counts on every side [m].
-        line_radius: how far control points may leave the joint path of a straight line [rad].
         rise: height above the obstacles in between at which the raised path crosses them [m].
         hand_width: from the hand's way to its outermost part, sideways [m].
         corridors: radii [rad] and numbers of control points tried around a path, one after the other.
@@ -38,7 +37,6 @@ class MotionConfig:
     turn: float = 0.02
     padding: float = 0.005
     held_shrinkage: float = 0.001
-    line_radius: float = 0.0025
     rise: float = 0.03
     hand_width: float = 0.11
     corridors: tuple[tuple[float, int], ...] = ((0.2, 14), (0.1, 18))
@@ -55,7 +53,6 @@ class MotionConfig:
             turn=(1e-4, 1),
             padding=(0, 1),
             held_shrinkage=(0, 0.003),  # something is left of the smallest box
-            line_radius=(0, 1),
             rise=(0, 10),
             hand_width=(0, 1),
             push_rounds=(0, 1e6),

@@ -16,10 +16,18 @@ from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, HOME
 from ictamp_drake.motion.postures import postures
 from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.world.build import PANDA_URL
+from ictamp_drake.world.matrices import forward
 
 LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
 UPPER: FloatArray = np.array([limits.upper for limits in ARM_LIMITS])
 VELOCITY: FloatArray = np.array([limits.velocity for limits in ARM_LIMITS])
+
+
+_ROUNDS = 4
+"""In so many parts, the nearest first, the angles of the last joint are looked at for travel times."""
+
+_LINES = 15
+"""Lines that are remembered: whether there is one is often asked before it is taken."""
 
 
 @dataclass(frozen=True)
@@ -79,17 +87,23 @@ class ArmKinematics:
     def __init__(self, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
         self.config = config or KinematicsConfig()
         self.plant = _arm_plant(X_WB)
-        self._X_BW = X_WB.inverse()
+        self._X_BW, self._X_WB = X_WB.inverse(), X_WB.GetAsMatrix4()
         self._context = self.plant.CreateDefaultContext()
         self._grasp = self.plant.GetFrameByName("grasp")
         self.lower = LOWER + self.config.joint_margin
         self.upper = UPPER - self.config.joint_margin
+        self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
         self._last = np.arange(self.lower[6], self.upper[6], self.config.last_step)
 
     def forward(self, q: FloatArray) -> RigidTransform:
         """X_WG at the arm's joint positions q, shape (7,) [rad]."""
         self.plant.SetPositions(self._context, q)
         return self.plant.CalcRelativeTransform(self._context, self.plant.world_frame(), self._grasp)
+
+    def forward_all(self, q: FloatArray) -> FloatArray:
+        """X_WG at many joint positions, shape (n, 7) [rad] -> (n, 4, 4)."""
+        X_WG: FloatArray = self._X_WB @ forward(q)
+        return X_WG
 
     def solve(
         self, X_WG: RigidTransform, q_guess: FloatArray, accept: Callable[[FloatArray], bool] | None = None
@@ -126,10 +140,17 @@ class ArmKinematics:
             Shape (n,) [s], infinite where the arm has no posture.
         """
         last = np.arange(self.lower[6], self.upper[6], self.config.travel_step)
-        X_BG = np.repeat(self._X_BW.GetAsMatrix4() @ X_WG, len(last), axis=0)
-        found = postures(X_BG, np.tile(last, len(X_WG)))
-        times = np.where(self._within_limits(found), (np.abs(found - q) / VELOCITY).max(axis=2), np.inf)
-        least: FloatArray = times.reshape(8, len(X_WG), len(last)).min(axis=(0, 2))
+        turns = np.abs(last - q[6]) / VELOCITY[6]
+        order = np.argsort(turns, kind="stable")
+        least = np.full(len(X_WG), np.inf)
+        X_BG = self._X_BW.GetAsMatrix4() @ X_WG
+        for some in np.array_split(order, _ROUNDS):
+            open_ = np.flatnonzero(least > turns[some[0]])  # the last joint alone takes longer from here on
+            found = postures(np.repeat(X_BG[open_], len(some), axis=0), np.tile(last[some], len(open_)))
+            times = np.full(found.shape[:2], np.inf)
+            inside = self._within_limits(found)
+            times[inside] = (np.abs(found[inside] - q) / VELOCITY).max(axis=1)
+            least[open_] = np.minimum(least[open_], times.reshape(8, len(open_), len(some)).min(axis=(0, 2)))
         return least
 
     def _within_limits(self, q: FloatArray) -> NDArray[np.bool_]:
@@ -147,6 +168,13 @@ class ArmKinematics:
 
         The hand turns evenly when the orientations differ. None when a joint limit or a singularity is in the way.
         """
+        key = q0.tobytes(), X_WG1.GetAsMatrix34().tobytes()
+        if key not in self._lines:
+            self._lines = dict([*self._lines.items()][-_LINES:])
+            self._lines[key] = self._line(q0, X_WG1)
+        return self._lines[key]
+
+    def _line(self, q0: FloatArray, X_WG1: RigidTransform) -> FloatArray | None:
         X_WG0 = self.forward(q0)
         turn = (X_WG0.rotation().inverse() @ X_WG1.rotation()).ToAngleAxis()
         distance = float(np.linalg.norm(X_WG1.translation() - X_WG0.translation()))
@@ -157,7 +185,9 @@ class ArmKinematics:
             if q is None or np.abs(q - qs[-1]).max() > self.config.line_joint_step:
                 return None
             qs.append(q)
-        return np.array(qs)
+        path = np.array(qs)
+        path.setflags(write=False)
+        return path
 
     def _follow(self, q: FloatArray, X_WG: RigidTransform) -> FloatArray | None:
         """Newton's method with the least change of the joints."""

@@ -1,4 +1,4 @@
-"""Drake's kinematic trajectory optimisation: the quickest splines within the limits of the joints."""
+"""The quickest splines within the limits of the joints: closed forms, and Drake's kinematic trajectory optimisation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from scipy.interpolate import BSpline
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.motion.splines import differentiation, knots, paces
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.scenes.checks import check_fields
 
@@ -18,6 +19,9 @@ LEAST_POINTS = 7
 """Control points that a spline has at least: three at each end do not move."""
 
 _MIN_DURATION = 1e-3
+
+_TOLERANCE = 1e-3
+"""Of optimality, as SNOPT means it; finer ones shorten no trajectory by more than a thousandth."""
 
 
 class HalfSpace(NamedTuple):
@@ -74,7 +78,7 @@ class TrajectoryConfig:
 
 
 class TrajectoryOptimizer:
-    """Fastest splines within the joints' limits. Keeps one program for each number of control points."""
+    """Fastest splines within the joints' limits. Keeps a program or two for each number of control points."""
 
     def __init__(self, config: TrajectoryConfig | None = None) -> None:
         self.config = config or TrajectoryConfig()
@@ -83,11 +87,11 @@ class TrajectoryOptimizer:
         fractions = np.array([self.config.velocity, self.config.acceleration, self.config.jerk])
         self.bounds = limits[:, 2:5].T * fractions[:, None]
         """Largest velocity, acceleration and jerk of each joint, shape (3, 7) [rad/s, rad/s^2, rad/s^3]."""
-        self._programs: dict[int, _Program] = {}
+        self._programs: dict[tuple[int, int], _Program] = {}
 
     def free(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
         """From q0 to q1, both of shape (7,) [rad], whatever is in the way."""
-        return self.along(np.array([q0, q1]), np.inf, self.config.control_points)
+        return self.around(self.follow(np.array([q0, q1]), self.config.control_points), np.inf)
 
     def along(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
         """Through the corridor around a path from its first to its last row.
@@ -97,38 +101,67 @@ class TrajectoryOptimizer:
             radius: how far each coordinate of a control point may leave the path [rad].
             control_points: of the spline, at least `LEAST_POINTS`; more of them follow a crooked path closer.
         """
-        return self._program(control_points).solve(_spread(path, _profile(control_points)), radius)
+        return self._solve(_spread(path, _profile(control_points)), radius)
 
-    def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace]) -> Trajectory:
+    def follow(self, path: FloatArray, control_points: int) -> Trajectory:
+        """Along a path, in closed form: all control points lie on it, and only the pace is chosen.
+
+        Args:
+            path: joint positions joined by straight lines, shape (m, 7) [rad].
+            control_points: of the spline, at least `LEAST_POINTS`.
+        """
+        efforts = (np.abs(np.diff(path, axis=0)) / self.bounds[1]).max(axis=1)  # what limits short ways is acceleration
+        points = _interpolated(path, efforts, paces(control_points, self.config.order))
+        durations = self.shortest_durations(points)
+        best = int(np.argmin(durations))
+        return self._trajectory(points[best], float(durations[best]))
+
+    def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
         """Like a trajectory, its control points moved by at most `radius` [rad] so that it meets the demands."""
-        return self._program(len(trajectory.control_points)).solve(trajectory.control_points, radius, demands)
+        return self._solve(trajectory.control_points, radius, demands)
 
-    def _program(self, control_points: int) -> "_Program":
-        if control_points not in self._programs:
-            self._programs[control_points] = _Program(self, control_points)
-        return self._programs[control_points]
+    def _solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
+        """As `_Program.solve`. Limits of jerk, a third of the work, are heeded only where they are broken otherwise."""
+        for limits in (2, 3):
+            points = self._program(len(guess), limits).solve(guess, radius, demands)
+            duration = float(self.shortest_durations(points))
+            if duration <= self.shortest_durations(points, limits):
+                break
+        return self._trajectory(points, duration)
 
-    def shortest_duration(self, points: FloatArray, knots: FloatArray) -> float:
-        """Least duration [s] within the limits for control points, shape (n, 7), and knots from 0 to 1."""
-        spline = BSpline(knots, points, self.config.order - 1)
-        factors = [_MIN_DURATION]
-        for order, bound in enumerate(self.bounds, start=1):
-            peaks = np.abs(spline.derivative(order).c[: len(points) - order])  # the spline stays below them
-            factors.append(float((peaks / bound).max() ** (1 / order)))
-        return max(factors)
+    def _trajectory(self, points: FloatArray, duration: float) -> Trajectory:
+        return Trajectory(self.config.order, knots(len(points), self.config.order) * duration, points)
+
+    def _program(self, control_points: int, limits: int) -> "_Program":
+        if (control_points, limits) not in self._programs:
+            self._programs[control_points, limits] = _Program(self, control_points, limits)
+        return self._programs[control_points, limits]
+
+    def shortest_durations(self, points: FloatArray, limits: int = 3) -> FloatArray:
+        """Least durations [s] for the control points of splines, shape (..., n, 7) -> (...).
+
+        Args:
+            points: see above.
+            limits: heeded ones, of velocity, acceleration and jerk, in this order.
+        """
+        found: FloatArray = np.full(points.shape[:-2], _MIN_DURATION)
+        matrices = differentiation(points.shape[-2], self.config.order)
+        for order, (matrix, bound) in enumerate(zip(matrices[:limits], self.bounds, strict=False), start=1):
+            used = np.abs(matrix @ points) / bound  # the spline stays below its control points
+            found = np.maximum(found, used.max(axis=(-2, -1)) ** (1 / order))
+        return found
 
 
 class _Program:
-    def __init__(self, optimizer: TrajectoryOptimizer, control_points: int) -> None:
-        self._optimizer = optimizer
+    def __init__(self, optimizer: TrajectoryOptimizer, control_points: int, limits: int) -> None:
+        self._optimizer, self._limits = optimizer, limits
         config = optimizer.config
         self._trajectory = KinematicTrajectoryOptimization(7, control_points, config.order)
         program = self._trajectory.get_mutable_prog()
         self._points, self._duration = self._trajectory.control_points(), self._trajectory.duration()
-        velocity, acceleration, jerk = optimizer.bounds
-        self._trajectory.AddVelocityBounds(-velocity, velocity)
-        self._trajectory.AddAccelerationBounds(-acceleration, acceleration)
-        self._trajectory.AddJerkBounds(-jerk, jerk)
+        add = self._trajectory.AddVelocityBounds, self._trajectory.AddAccelerationBounds, self._trajectory.AddJerkBounds
+        for add_bounds, bound in zip(add[:limits], optimizer.bounds, strict=False):
+            add_bounds(-bound, bound)
         self._trajectory.AddDurationConstraint(_MIN_DURATION, config.max_duration)
         self._trajectory.AddDurationCost(1.0)
         flat = self._points.T.ravel()
@@ -138,32 +171,31 @@ class _Program:
         self._options.SetOption(SnoptSolver.id(), "Major iterations limit", config.iterations)
         self._options.SetOption(SnoptSolver.id(), "Iterations limit", 50 * config.iterations)
 
-    def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
-        """A trajectory whose control points are at most `radius` from those of the guess, shape (n, 7).
+    def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace]) -> FloatArray:
+        """Control points of a quick trajectory, at most `radius` from those of the guess, shape (n, 7).
 
         Any control points obey the limits when time is stretched, so what an unfinished optimisation has reached
         serves as well, if it is better than the guess. Demands that can't be met are left unmet.
         """
-        config, optimizer = self._optimizer.config, self._optimizer
         corridor = self._set_corridor(guess, radius)
-        weight = config.straightness / guess.size
+        weight = self._optimizer.config.straightness / guess.size
         self._pull.UpdateCoefficients(2 * weight * np.eye(guess.size), -2 * weight * guess.ravel())
-        program, knots = self._trajectory.get_mutable_prog(), np.array(self._trajectory.basis().knots())
-        duration = optimizer.shortest_duration(guess, knots)
+        program = self._trajectory.get_mutable_prog()
+        duration = float(self._optimizer.shortest_durations(guess, self._limits))
         program.SetInitialGuess(self._points, guess.T)
         program.SetInitialGuess(self._duration, duration)
-        added = [self._add_demands(knots, demands)] if demands else []
+        added = [self._add_demands(demands)] if demands else []
         solution = self._solver.Solve(program, None, self._options).GetSolution(self._points).T
         for binding in added:
             program.RemoveConstraint(binding)
         points = np.clip(solution, *corridor)
-        shorter = optimizer.shortest_duration(points, knots)
-        if not (demands or shorter <= duration) or not np.isfinite(shorter):
-            points, shorter = guess, duration
-        return Trajectory(config.order, knots * shorter, points)
+        shorter = float(self._optimizer.shortest_durations(points, self._limits))
+        return points if (demands or shorter <= duration) and np.isfinite(shorter) else guess
 
-    def _add_demands(self, knots: FloatArray, demands: Sequence[HalfSpace]) -> Binding[LinearConstraint]:
-        basis = BSpline.design_matrix(np.array([d.share for d in demands]), knots, self._optimizer.config.order - 1)
+    def _add_demands(self, demands: Sequence[HalfSpace]) -> Binding[LinearConstraint]:
+        order = self._optimizer.config.order
+        shares = np.array([demand.share for demand in demands])
+        basis = BSpline.design_matrix(shares, knots(self._points.shape[1], order), order - 1)
         normals = np.array([demand.normal for demand in demands])
         rows = np.einsum("ri,rj->rij", basis.toarray(), normals).reshape(len(demands), -1)
         offsets = [demand.offset for demand in demands]
@@ -188,5 +220,10 @@ def _profile(n: int) -> FloatArray:
 
 def _spread(path: FloatArray, shares: FloatArray) -> FloatArray:
     """Points at shares of the path's length, shape (n, 7)."""
-    lengths = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
-    return np.column_stack([np.interp(shares * lengths[-1], lengths, column) for column in path.T])
+    return _interpolated(path, np.linalg.norm(np.diff(path, axis=0), axis=1), shares)
+
+
+def _interpolated(path: FloatArray, lengths: FloatArray, shares: FloatArray) -> FloatArray:
+    """Points at shares of a path's length, shape (...) -> (..., 7), when its pieces count as so long."""
+    places = np.append(0.0, np.cumsum(lengths))
+    return np.stack([np.interp(shares * places[-1], places, column) for column in path.T], axis=-1)

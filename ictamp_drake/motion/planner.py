@@ -58,7 +58,7 @@ class MotionPlanner:
         self.config = config or MotionConfig()
         self.kinematics = ArmKinematics(to_transform(world.spec.arm.X_WB), self.config.kinematics)
         self.optimizer = TrajectoryOptimizer(self.config.trajectory)
-        self.scene = CollisionScene(world, self.config.held_shrinkage)
+        self.scene = CollisionScene(world, self.config.held_shrinkage, self.config.padding)
         self.stopwatch = Stopwatch()
         self._world = world
         self._c = world.initial_configuration()
@@ -117,7 +117,7 @@ class MotionPlanner:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         with self.stopwatch.stage("trajectory"):
             points = max(self.config.trajectory.control_points, len(path) + 5)
-            trajectory = self.optimizer.along(path, self.config.line_radius, points)
+            trajectory = self.optimizer.follow(path, points)
         if self._is_free(trajectory):
             return Planned(trajectory, "straight")
         failure = Failure.NO_PATH if self.scene.is_free(trajectory.end) else Failure.GOAL_IN_COLLISION
@@ -125,21 +125,24 @@ class MotionPlanner:
 
     def transfer(self, q0: FloatArray, q1: FloatArray, rng: np.random.Generator) -> Planned | Refusal:
         """From q0 to q1, both of shape (7,) [rad], on whatever way is free."""
+        room = self.config.padding
         for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
-            if contact := self.scene.first_contact(q[None]):
-                return Refusal.at(failure, contact)
-        room = min(self.scene.clearance(q, self.config.padding) for q in (q0, q1))
-        padding = 0.9 * max(room, 0.0)  # the ends pass for certain
-        for stage, trajectory in self._candidates(q0, q1, padding, rng):
+            nearest = min(self.scene.contacts(q, self.config.padding), default=None, key=lambda each: each.distance)
+            if nearest is not None and nearest.distance <= 0:
+                return Refusal.at(failure, nearest)
+            room = room if nearest is None else min(room, nearest.distance)
+        padding = 0.9 * room  # the ends pass for certain
+        with self.stopwatch.stage("trajectory"):
+            free = self.optimizer.free(q0, q1)
+        for stage, trajectory in self._candidates(free, padding, rng):
             if self._is_free(trajectory, padding):
                 return Planned(trajectory, stage)
-        return Refusal.at(Failure.NO_PATH, self._first_contact(self.optimizer.free(q0, q1), padding))
+        return Refusal.at(Failure.NO_PATH, self._first_contact(free, padding))
 
     def _candidates(
-        self, q0: FloatArray, q1: FloatArray, padding: float, rng: np.random.Generator
+        self, free: Trajectory, padding: float, rng: np.random.Generator
     ) -> Iterator[tuple[str, Trajectory]]:
-        with self.stopwatch.stage("trajectory"):
-            trajectory = self.optimizer.free(q0, q1)
+        trajectory, q0, q1 = free, free.start, free.end
         yield "free", trajectory
         with self.stopwatch.stage("path"):
             path = self._raised(q0, q1)
@@ -191,4 +194,4 @@ class MotionPlanner:
         return self.scene.first_contact(self._samples(trajectory), padding)
 
     def _samples(self, trajectory: Trajectory) -> FloatArray:
-        return sample(trajectory, self.kinematics.forward, self.config.step, self.config.turn)
+        return sample(trajectory, self.kinematics.forward_all, self.config.step, self.config.turn)

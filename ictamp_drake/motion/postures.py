@@ -18,6 +18,9 @@ _S: FloatArray = np.array([DH_PARAMETERS[4].a, -DH_PARAMETERS[2].d])
 _W: FloatArray = np.array([DH_PARAMETERS[4].a, DH_PARAMETERS[4].d])
 """x and y of W in link 4's frame [m]."""
 
+_P_67: FloatArray = link(*DH_PARAMETERS[6], np.zeros(1))[0, :3, 3]
+_X_G7: FloatArray = inverse(X_7G[None])[0]
+
 
 def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
     """Joint positions with the hand at X_BG, up to eight for each angle of the last joint, whatever the joints' limits.
@@ -29,33 +32,56 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
     Returns:
         Shape (8, n, 7), angles but the last in [-π, π) [rad]; nan where there is none.
     """
-    count = len(last)
-    last, bend = np.tile(last, 2), np.repeat([1.0, -1.0], count)
-    X_B6 = np.tile(np.broadcast_to(X_BG, (count, 4, 4)), (2, 1, 1)) @ inverse(_link(7, last) @ X_7G)
-    a, b, c = np.einsum("nji,nj->in", X_B6[:, :3, :3], _P_BS - X_B6[:, :3, 3])  # from W to S in link 6's frame
-    found = []
+    R_B7, p_B7 = _without_hand(X_BG)
+    R_B6 = _undone(R_B7, 7, (np.cos(last), np.sin(last)))
+    a, b, c = (R_B6 * (_P_BS[:, None] - p_B7)).sum(axis=1) + _P_67[:, None]  # from W to S in link 6's frame
+    R_B6 = R_B6[:, :, None]
+    q = np.empty((2, 2, 2, len(last), 7))
+    q[..., 6] = last
     with np.errstate(invalid="ignore", divide="ignore"):  # what can't be is nan
-        q4 = _elbow(np.sqrt(a * a + b * b + c * c), bend)
-        x = np.cos(q4) * _S[0] + np.sin(q4) * _S[1] - _W[0]  # from W to S in link 4's frame
-        y = np.cos(q4) * _S[1] - np.sin(q4) * _S[0] - _W[1]
-        rise = np.arcsin(y / np.hypot(a, b))
-        for turn in rise, np.pi - rise:
-            q6 = turn - np.arctan2(b, a)
-            q5 = np.arctan2(np.sign(x) * c, np.sign(x) * (a * np.cos(q6) - b * np.sin(q6)))
-            R = (X_B6 @ inverse(_link(4, q4) @ _link(5, q5) @ _link(6, q6)))[:, :3, :3]
-            for side in 1.0, -1.0:
-                q1 = np.arctan2(side * R[:, 1, 2], side * R[:, 0, 2])
-                q2 = np.arctan2(side * np.hypot(R[:, 0, 2], R[:, 1, 2]), R[:, 2, 2])
-                sin, cos = (np.cos(q1) * R[:, 1, i] - np.sin(q1) * R[:, 0, i] for i in (0, 1))
-                found.append(np.column_stack([q1, q2, np.arctan2(sin, cos), q4, q5, q6, last]))
-    q = np.reshape(found, (8, count, 7))
-    q[..., :6] = np.remainder(q[..., :6] + np.pi, 2 * np.pi) - np.pi
-    return np.where(np.isfinite(q).all(axis=2, keepdims=True), q, np.nan)
+        q4 = _elbow(np.sqrt(a * a + b * b + c * c), np.array([[1.0], [-1.0]]))
+        turn4 = cos4, sin4 = np.cos(q4), np.sin(q4)
+        x = cos4 * _S[0] + sin4 * _S[1] - _W[0]  # from W to S in link 4's frame
+        y = cos4 * _S[1] - sin4 * _S[0] - _W[1]
+        rise, heading, side = np.arcsin(y / np.hypot(a, b)), np.arctan2(b, a), np.sign(x)
+        q[..., 3] = _wrapped(q4)
+        for found, turn in zip(q, (rise, np.pi - rise), strict=True):
+            q6 = turn - heading
+            turn6 = cos6, sin6 = np.cos(q6), np.sin(q6)
+            q5 = np.arctan2(side * c, side * (a * cos6 - b * sin6))
+            X, Y, Z = _undone(_undone(_undone(R_B6, 6, turn6), 5, (np.cos(q5), np.sin(q5))), 4, turn4)  # link 3's, in B
+            q1, q2 = np.arctan2(Z[1], Z[0]), np.arctan2(np.hypot(Z[0], Z[1]), Z[2])
+            cos, sin = np.cos(q1), np.sin(q1)
+            q3 = np.arctan2(cos * X[1] - sin * X[0], cos * Y[1] - sin * Y[0])
+            found[..., 4], found[..., 5] = q5, _wrapped(q6)
+            for i, angle in enumerate((q1, q2, q3)):  # the shoulder's other way
+                found[0, ..., i], found[1, ..., i] = angle, -angle if i == 1 else angle - np.copysign(np.pi, angle)
+    q[np.isnan(q[..., 5])] = np.nan  # what makes another angle nan makes this one nan, too
+    return q.reshape(8, len(last), 7)
 
 
-def _link(number: int, angle: FloatArray) -> FloatArray:
-    """Pose of a link in the frame of the one before it at so many angles of its joint, (n,) -> (n, 4, 4)."""
-    return link(*DH_PARAMETERS[number - 1], angle)
+def _wrapped(angle: FloatArray) -> FloatArray:
+    return angle - 2 * np.pi * np.floor((angle + np.pi) / (2 * np.pi))
+
+
+def _without_hand(X_BG: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Axes of link 7, one after the other, and its position in B, (4, 4) or (n, 4, 4) -> (3, 3, n) and (3, n)."""
+    X_B7 = np.reshape(X_BG @ _X_G7, (-1, 4, 4))
+    return X_B7[:, :3, :3].transpose(2, 1, 0), X_B7[:, :3, 3].T
+
+
+def _undone(axes: FloatArray, number: int, turn: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """Axes of the link before a link: x, y, z, each of shape (3, ..., n).
+
+    Args:
+        axes: of the link.
+        number: of the link.
+        turn: cosine and sine of its joint's angle.
+    """
+    (x, y, z), (cos, sin) = axes, turn
+    alpha = DH_PARAMETERS[number - 1].alpha
+    x, y = x * cos - y * sin, x * sin + y * cos
+    return np.array([x, y * np.cos(alpha) - z * np.sin(alpha), y * np.sin(alpha) + z * np.cos(alpha)])
 
 
 def _elbow(distance: FloatArray, bend: FloatArray) -> FloatArray:

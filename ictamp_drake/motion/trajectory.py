@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from pydrake.math import RigidTransform
 from scipy.interpolate import BSpline
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
@@ -67,24 +66,22 @@ class Trajectory:
         return Segment(label, self.duration, gripper, self.order, self.knots, self.control_points, known)
 
 
-def sample(
-    trajectory: Trajectory, forward: Callable[[FloatArray], RigidTransform], step: float, turn: float
-) -> FloatArray:
+def sample(trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], step: float, turn: float) -> FloatArray:
     """Joint positions along a trajectory, both ends included, shape (m, 7) [rad].
 
     Between neighbours the hand moves at most `step` [m], and neither hand nor any joint turns more than `turn` [rad].
 
     Args:
         trajectory: what to look at.
-        forward: X_WG of joint positions.
+        forward: X_WG of many joint positions, (n, 7) -> (n, 4, 4).
         step, turn: see above.
     """
     times = np.linspace(0.0, trajectory.duration, _PROBES)
     qs = trajectory.positions(times)
-    X_WGs = np.array([forward(q).GetAsMatrix34() for q in qs])
-    moved = np.linalg.norm(np.diff(X_WGs[:, :, 3], axis=0), axis=1)
+    X_WGs = forward(qs)
+    moved = np.linalg.norm(np.diff(X_WGs[:, :3, 3], axis=0), axis=1)
     # |R - R'| = 2 sqrt(2) sin(angle / 2), which is at least 0.9 sqrt(2) angle below 1.5 rad
-    turned = np.linalg.norm(np.diff(X_WGs[:, :, :3], axis=0), axis=(1, 2)) / (0.9 * np.sqrt(2))
+    turned = np.linalg.norm(np.diff(X_WGs[:, :3, :3], axis=0), axis=(1, 2)) / (0.9 * np.sqrt(2))
     jointed = np.abs(np.diff(qs, axis=0)).max(axis=1)
     parts = np.maximum(moved / step, np.maximum(turned, jointed) / turn)
     counts = np.ceil(_UNEVENNESS * parts).astype(int).clip(1)

@@ -1,6 +1,7 @@
 """Frames that skills and predicates speak of: U, a box as it lies, and T, the top face of what things are put on."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -9,7 +10,8 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.world.poses import to_transform
 
 
-class Upright(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Upright:
     """A box as it lies.
 
     Attributes:
@@ -24,7 +26,7 @@ class Upright(NamedTuple):
     axis: int
     sign: int
 
-    @property
+    @cached_property
     def X_WT(self) -> RigidTransform:
         """Frame in the centre of the top face, parallel to U."""
         return self.X_WU @ RigidTransform([0.0, 0.0, self.size[2] / 2])
@@ -40,11 +42,19 @@ def upright(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> 
 
     U = O for a box that stands upright; otherwise U's x is the O axis that follows U's z cyclically.
     """
-    X_WO = to_transform(pose)
+    return _upright(pose.tobytes(), tuple(size))
+
+
+@lru_cache(maxsize=256)
+def _upright(pose: bytes, size: tuple[float, ...]) -> Upright:
+    """Many questions about the same few boxes come one after the other."""
+    X_WO = to_transform(np.frombuffer(pose))
     vertical = X_WO.rotation().matrix()[2]
     axis = int(np.argmax(np.abs(vertical)))
     sign = 1 if vertical[axis] > 0 else -1
     order = [(axis + 1) % 3, (axis + 2) % 3, axis]
     R_OU = np.zeros((3, 3))
     R_OU[order, range(3)] = [1, sign, sign]
-    return Upright(X_WO @ RigidTransform(RotationMatrix(R_OU), np.zeros(3)), np.asarray(size)[order], axis, sign)
+    sides = np.array(size)[order]
+    sides.setflags(write=False)
+    return Upright(X_WO @ RigidTransform(RotationMatrix(R_OU), np.zeros(3)), sides, axis, sign)

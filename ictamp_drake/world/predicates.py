@@ -47,6 +47,7 @@ class Scene:
         touches = world.touches(c, config.contact)
         self._touches = {(t.a, t.b): t for t in touches}
         self._touches |= {(t.b, t.a): Touch(t.b, t.a, t.distance, -t.normal) for t in touches}
+        self._carried: dict[tuple[str, str], Evaluation] = {}
 
     def tilt(self, a: str) -> Evaluation:
         """Whether one of a's faces is level; how far it is from that."""
@@ -63,6 +64,11 @@ class Scene:
 
     def carried(self, a: str, b: str) -> Evaluation:
         """Whether b carries a: contact from above, the centre of mass of a inside b's top face, and a level."""
+        if (a, b) not in self._carried:
+            self._carried[a, b] = self._evaluate_carried(a, b)
+        return self._carried[a, b]
+
+    def _evaluate_carried(self, a: str, b: str) -> Evaluation:
         above, tilt = self.above(a, b), self.tilt(a)
         p_TA = self.world.X_WT(self.c, b).inverse() @ self.boxes[a].X_WU.translation()
         overhang = float(np.max(np.abs(p_TA[:2]) - self.world.top_size(self.c, b) / 2))

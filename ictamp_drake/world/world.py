@@ -7,7 +7,7 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
-from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright
 from ictamp_drake.world.poses import to_transform
@@ -32,6 +32,19 @@ class Touch(NamedTuple):
     normal: FloatArray
 
 
+class _Top(NamedTuple):
+    """The top face of a support, which stays where it is: X_WT and the sides along T's x and y [m]."""
+
+    X_WT: RigidTransform
+    size: FloatArray
+
+    @classmethod
+    def of(cls, support: SupportSpec) -> "_Top":
+        size = np.array(support.size[:2])
+        size.setflags(write=False)
+        return cls(to_transform(support.X_WT), size)
+
+
 class World:
     """A scene for queries. Holds one Drake context, so it is not for use by several threads."""
 
@@ -45,6 +58,7 @@ class World:
         self._query_context = self.diagram.scene_graph().GetMyContextFromRoot(self.context)
         self._names = self._name_geometries()
         self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
+        self._tops = {name: _Top.of(support) for name, support in spec.supports.items()}
 
     def _name_geometries(self) -> dict[object, str]:
         arm = self.plant.GetBodyIndices(self.bodies.arm)
@@ -91,12 +105,12 @@ class World:
 
     def X_WT(self, c: Configuration, receptacle: str) -> RigidTransform:
         """Frame in the centre of the top face of a support or box in c."""
-        if receptacle in self.spec.supports:
-            return to_transform(self.spec.supports[receptacle].X_WT)
+        if receptacle in self._tops:
+            return self._tops[receptacle].X_WT
         return self.upright(c, receptacle).X_WT
 
     def top_size(self, c: Configuration, receptacle: str) -> FloatArray:
         """Sides of the top face along T's x and y, shape (2,) [m]."""
-        if receptacle in self.spec.supports:
-            return np.array(self.spec.supports[receptacle].size[:2])
+        if receptacle in self._tops:
+            return self._tops[receptacle].size
         return self.upright(c, receptacle).size[:2]

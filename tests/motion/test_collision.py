@@ -6,6 +6,8 @@ from ictamp_drake.core.types import Configuration
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
+from ictamp_drake.motion.optimization import TrajectoryOptimizer
+from ictamp_drake.motion.trajectory import sample
 from ictamp_drake.world.world import World
 
 ARM = ArmKinematics(RigidTransform())
@@ -88,6 +90,43 @@ def test_padding_is_kept_from_the_scene(scene: CollisionScene, down) -> None:
     assert not scene.is_free(q, padding=clearance + 1e-3)
     assert scene.is_free(HOME, padding=0.05)  # parts of the arm need not keep it from each other
     assert scene.clearance(q, 0.01) == 0.01
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("padding", [0.002, 0.0045, 0.005, 0.02])
+def test_padding_means_that_no_distance_is_shorter(world: World, down, holding, held: bool, padding: float) -> None:
+    """However few distances are asked for, and beyond the padding up to which they are few."""
+    scene = CollisionScene(world, padding=0.005)
+    if held:
+        scene.set_configuration(
+            holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0, 0, 0.03]))
+        )
+    rng = np.random.default_rng(4)
+    verdicts = set()
+    for x, y, z in rng.uniform([0.42, 0.0, 0.2], [0.58, 0.2, 0.36], (80, 3)):
+        q = reach(down(x, y, z))
+        nearest = min((contact.distance for contact in scene.contacts(q, 0.1)), default=np.inf)
+        near = scene.is_free(q) and not scene.is_free(q, padding)
+        assert scene.is_free(q, padding) == (nearest > padding and scene.is_free(q))
+        verdicts.add((scene.is_free(q), near))
+    assert verdicts == {(True, False), (True, True), (False, False)}
+
+
+@pytest.mark.parametrize("padding", [0.0, 0.0045])
+def test_verdict_on_a_trajectory_is_that_of_all_its_samples(scene: CollisionScene, down, padding: float) -> None:
+    optimizer, rng = TrajectoryOptimizer(), np.random.default_rng(5)
+    counts = [0, 0]
+    for x, y, z in rng.uniform([0.35, 0.05, 0.08], [0.65, 0.35, 0.4], (30, 3)):
+        qs = sample(optimizer.follow(np.array([HOME, reach(down(x, y, z))]), 14), ARM.forward_all, 0.01, 0.02)
+        each = [not scene.contacts(q, padding) for q in qs]
+        assert scene.are_free(qs, padding) == all(each)
+        contact = scene.first_contact(qs, padding)
+        if all(each):
+            assert contact is None
+        else:
+            assert contact == scene.contacts(qs[each.index(False)], padding)[0]
+        counts[all(each)] += 1
+    assert min(counts) >= 5
 
 
 def test_all_must_be_free(scene: CollisionScene, down) -> None:

@@ -7,6 +7,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.inverse_kinematics import VELOCITY, ArmKinematics
+from ictamp_drake.motion.postures import postures
 from ictamp_drake.world.world import World
 
 ARM = ArmKinematics(RigidTransform())
@@ -78,6 +79,25 @@ def test_travel_times_are_short_where_the_hand_is_and_infinite_out_of_reach(down
     assert np.isinf(times[3])
 
 
+@given(st.lists(shares, min_size=1, max_size=4), shares)
+def test_travel_times_are_the_least_of_all_postures(places: list[FloatArray], share: FloatArray) -> None:
+    """Although not all are looked at."""
+    q = ARM.lower + share * (ARM.upper - ARM.lower)
+    X_WG = ARM.forward_all(ARM.lower + np.array(places) * (ARM.upper - ARM.lower))
+    last = np.arange(ARM.lower[6], ARM.upper[6], ARM.config.travel_step)
+    for X, time in zip(X_WG, ARM.travel_times(X_WG, q), strict=True):
+        found = postures(X, last)
+        inside = np.all((found >= ARM.lower) & (found <= ARM.upper), axis=2)
+        expected = (np.abs(found[inside] - q) / VELOCITY).max(axis=1).min(initial=np.inf)
+        assert time == pytest.approx(expected, rel=1e-12)
+
+
+def test_forward_of_many_is_that_of_each() -> None:
+    arm = ArmKinematics(RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.3, -0.2, 0.1]))
+    qs = HOME + np.linspace(-0.5, 0.5, 5)[:, None]
+    np.testing.assert_allclose(arm.forward_all(qs), [arm.forward(q).GetAsMatrix4() for q in qs], atol=1e-10)
+
+
 @pytest.mark.parametrize("yaw", [0.0, 0.6])
 def test_line_is_straight_and_turns_evenly(down, yaw: float) -> None:
     q0 = ARM.solve(down(0.5, 0.0, 0.1), HOME)
@@ -103,3 +123,10 @@ def test_line_that_starts_at_its_end_stays(down) -> None:
     path = ARM.line(q0, ARM.forward(q0))
     assert path is not None
     np.testing.assert_allclose(path, np.tile(q0, (len(path), 1)))
+
+
+def test_lines_are_the_same_however_often_and_in_which_order_they_are_asked_for(down) -> None:
+    arm, q0 = ArmKinematics(RigidTransform()), ARM.solve(down(0.5, 0.0, 0.1), HOME)
+    ends = [down(0.5, 0.0, 0.1 + rise) for rise in np.linspace(0.05, 0.2, 20)]
+    for X_WG1 in (*ends, *ends[::-1], *ends[-3:]):
+        np.testing.assert_array_equal(arm.line(q0, X_WG1), ArmKinematics(RigidTransform()).line(q0, X_WG1))

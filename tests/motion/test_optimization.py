@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,7 @@ from ictamp_drake.motion.trajectory import Trajectory
 
 OPTIMIZER = TrajectoryOptimizer()
 shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7).map(np.array)
+FAST = TrajectoryConfig(velocity=0.7, acceleration=0.5, jerk=0.1)
 STEPS = np.array([[0.0] * 7, [0.5, 0.3, 0, 0.4, 0, 0.2, 0.3], [0.9, -0.2, 0.1, 0.1, 0.3, 0, 0.8]])
 
 
@@ -29,6 +32,9 @@ def check_limits(trajectory: Trajectory, config: TrajectoryConfig) -> FloatArray
 
 
 def check_rest(trajectory: Trajectory) -> None:
+    points = trajectory.control_points
+    for end in points[:3], points[-3:]:  # no velocity and no acceleration, exactly
+        np.testing.assert_array_equal(end, end[[0, 0, 0]])
     for order in (1, 2):
         ends = trajectory.derivatives(np.array([0.0, trajectory.duration]), order)
         np.testing.assert_allclose(ends, 0.0, atol=1e-6)
@@ -39,9 +45,59 @@ def check_rest(trajectory: Trajectory) -> None:
 def test_free_obeys_the_limits_and_ends_at_rest(share0: FloatArray, share1: FloatArray) -> None:
     q0, q1 = (LOWER + share * (UPPER - LOWER) for share in (share0, share1))
     trajectory = OPTIMIZER.free(q0, q1)
-    np.testing.assert_allclose([trajectory.start, trajectory.end], [q0, q1])
+    np.testing.assert_array_equal([trajectory.start, trajectory.end], [q0, q1])
     check_rest(trajectory)
     check_limits(trajectory, OPTIMIZER.config)
+
+
+paths = st.lists(st.tuples(shares, st.floats(0, 0.02)), min_size=1, max_size=5)
+
+
+def crooked(share: FloatArray, pieces: list[tuple[FloatArray, float]]) -> FloatArray:
+    """A path within the limits that turns at every point, shape (m, 7)."""
+    path = [LOWER + share * (UPPER - LOWER)]
+    for towards, part in pieces:
+        path.append(path[-1] + part * (LOWER + towards * (UPPER - LOWER) - path[-1]))
+    return np.array(path)
+
+
+@given(shares, paths, st.sampled_from([TrajectoryConfig(), FAST, TrajectoryConfig(order=7, jerk=0.001)]))
+def test_following_a_path_obeys_the_limits_and_ends_at_rest(
+    share: FloatArray, pieces: list[tuple[FloatArray, float]], config: TrajectoryConfig
+) -> None:
+    path = crooked(share, pieces)
+    trajectory = TrajectoryOptimizer(config).follow(path, 14)
+    np.testing.assert_array_equal([trajectory.start, trajectory.end], path[[0, -1]])
+    check_rest(trajectory)
+    check_limits(trajectory, config)
+
+
+def test_following_a_path_keeps_all_control_points_on_it() -> None:
+    path = HOME + 0.2 * STEPS
+    dense = np.vstack([np.linspace(*piece, 2000) for piece in itertools.pairwise(path)])
+    for point in OPTIMIZER.follow(path, 20).control_points:
+        assert np.abs(dense - point).max(axis=1).min() < 1e-3 * np.abs(np.diff(path, axis=0)).max()
+
+
+@pytest.mark.parametrize("config", [TrajectoryConfig(), FAST])
+def test_following_a_path_takes_no_longer_than_optimising_in_a_narrow_corridor(config: TrajectoryConfig) -> None:
+    optimizer = TrajectoryOptimizer(config)
+    for step in STEPS[1:]:
+        path = HOME + np.linspace(0.0, 0.3, 5)[:, None] * step
+        assert optimizer.follow(path, 14).duration <= optimizer.along(path, 0.0025, 14).duration
+
+
+@pytest.mark.parametrize("jerk", [0.002, 0.05])
+def test_limits_of_jerk_are_heeded_where_they_matter(jerk: float) -> None:
+    """Without them the quickest trajectory would break the lower ones."""
+    config = TrajectoryConfig(jerk=jerk)
+    for trajectory in (
+        TrajectoryOptimizer(config).free(HOME, HOME + STEPS[2]),
+        TrajectoryOptimizer(config).along(HOME + STEPS, 0.1, 18),
+    ):
+        parts = check_limits(trajectory, config).max(axis=1)
+        assert (parts[2] > 0.6) == (jerk == 0.002)
+        assert parts.max() > 0.9
 
 
 def test_free_uses_the_limits() -> None:
@@ -102,7 +158,7 @@ def test_around_meets_demands_that_the_trajectory_did_not() -> None:
     offset = float(trajectory.positions(middle)[0, 3]) + 0.1
     moved = OPTIMIZER.around(trajectory, 0.3, [HalfSpace(0.5, normal, offset)])
     assert moved.positions(np.array([moved.duration / 2]))[0, 3] >= offset - 1e-5
-    np.testing.assert_allclose([moved.start, moved.end], [trajectory.start, trajectory.end])
+    np.testing.assert_array_equal([moved.start, moved.end], [trajectory.start, trajectory.end])
     check_rest(moved)
     check_limits(moved, OPTIMIZER.config)
     again = OPTIMIZER.free(HOME, HOME + STEPS[2])

@@ -34,7 +34,7 @@ def test_reversed_goes_the_same_way_back(trajectory: Trajectory) -> None:
 
 @pytest.mark.parametrize(("step", "turn"), [(0.01, 0.02), (0.01, 1.0), (1.0, 0.02)])
 def test_samples_are_as_dense_as_asked(trajectory: Trajectory, step: float, turn: float) -> None:
-    qs = sample(trajectory, ARM.forward, step, turn)
+    qs = sample(trajectory, ARM.forward_all, step, turn)
     np.testing.assert_allclose(qs[[0, -1]], [trajectory.start, trajectory.end], atol=1e-12)
     assert np.abs(np.diff(qs, axis=0)).max() <= turn
     X_WGs = [ARM.forward(q) for q in qs]

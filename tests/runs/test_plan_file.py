@@ -16,6 +16,7 @@ from ictamp_drake.scenes.spec import SceneSpec
 from tests.runs.programs import SCENE
 
 SPEC = build(SceneSpec, parse(SCENE))
+OPEN = GripperCommand(0.08)
 numbers = st.floats(-10, 10)
 POSE = np.array([1.0, 0, 0, 0, 0, 0, 0])
 
@@ -40,20 +41,22 @@ segments = st.builds(
 @given(
     k=arrays(float, 4, elements=numbers),
     motion=st.lists(segments, min_size=1, max_size=3),
-    q=arrays(float, 9),
-    commanded=st.none() | arrays(float, 7, elements=numbers),
-    x=st.none() | arrays(float, 40, elements=numbers),
+    c=st.builds(
+        lambda q, commanded, x: Configuration(
+            np.nan_to_num(q), dict.fromkeys(SPEC.boxes, POSE), None, OPEN, commanded, x
+        ),
+        arrays(float, 9),
+        st.none() | arrays(float, 7, elements=numbers),
+        st.none() | arrays(float, 40, elements=numbers),
+    ),
 )
 def test_a_plan_survives_bit_for_bit(
     k: FloatArray,
     motion: list[Segment],
-    q: FloatArray,
-    commanded: FloatArray | None,
-    x: FloatArray | None,
+    c: Configuration,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     path = tmp_path_factory.mktemp("plan") / "plan.yaml"
-    c = Configuration(np.nan_to_num(q), dict.fromkeys(SPEC.boxes, POSE), commanded=commanded, x=x)
     action = Action("place", ("red_box", "rack"))
     write_plan(Plan(SPEC, c, (Attempt(action, None, k=k, motion=tuple(motion)),)), path)
     plan = read_plan(path)

@@ -66,3 +66,18 @@ def test_poses_go_to_transforms_and_back(
     stretched = np.append(length * pose[:4], pose[4:])
     assert to_transform(stretched).IsNearlyEqualTo(X, 1e-12)
     np.testing.assert_allclose(normalised(stretched), pose, atol=1e-12)
+
+
+@given(angles, angles, angles, places)
+def test_the_same_box_is_the_same_however_often_it_is_looked_at(
+    roll: float, pitch: float, yaw: float, p: tuple[float, ...]
+) -> None:
+    pose = to_pose(RigidTransform(RollPitchYaw(roll, pitch, yaw), p))
+    first, turned, again = upright(pose, SIZE), upright(pose, SIZE[::-1]), upright(pose.copy(), np.array(SIZE))
+    np.testing.assert_array_equal(first.X_WT.GetAsMatrix4(), again.X_WT.GetAsMatrix4())
+    np.testing.assert_array_equal(first.size, again.size)
+    assert first.size[2] == SIZE[first.axis]
+    assert turned.size[2] == SIZE[::-1][first.axis]
+    assert not first.size.flags.writeable
+    moved = upright(pose + [0, 0, 0, 0, 0, 0, 1e-3], SIZE)
+    assert moved.X_WT.translation()[2] == pytest.approx(first.X_WT.translation()[2] + 1e-3)

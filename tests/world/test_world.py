@@ -73,6 +73,9 @@ def test_top_faces_of_supports_and_boxes(world: World) -> None:
     np.testing.assert_allclose(sorted(world.top_size(c, "red_box")), [0.05, 0.118])
     np.testing.assert_allclose(world.X_WT(c, "rack").translation(), [0.44, -0.33, RACK_TOP])
     np.testing.assert_allclose(world.top_size(c, "rack"), [0.22, 0.32])
+    for name, support in world.spec.supports.items():
+        np.testing.assert_array_equal(world.X_WT(c, name).GetAsMatrix4(), to_transform(support.X_WT).GetAsMatrix4())
+        np.testing.assert_array_equal(world.top_size(c, name), support.size[:2])
     np.testing.assert_allclose(world.X_WT(c, "rack").rotation().matrix()[:, 0], [0, 1, 0], atol=1e-12)
 
 
