@@ -43,7 +43,7 @@ class Domain:
 
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
         """The applicable actions in their order, each with the state that it promises."""
-        numbers = sorted(number for atom in (None, *state) for number in self._by_rarest.get(atom, ()))
+        numbers = sorted(number for atom in (None, *state) for number in self.by_rarest.get(atom, ()))
         candidates = map(self.actions.__getitem__, numbers)
         return tuple((each.action, each.applied(state)) for each in candidates if each.applies(state))
 
@@ -84,7 +84,7 @@ class Domain:
         return {each.action: each for each in self.actions}
 
     @cached_property
-    def _by_rarest(self) -> dict[Atom | None, list[int]]:
+    def by_rarest(self) -> dict[Atom | None, list[int]]:
         """Numbers of the actions by the precondition that they share with the fewest others; None if they have none."""
         shared_by = Counter(atom for each in self.actions for atom in each.preconditions)
         found: dict[Atom | None, list[int]] = {}

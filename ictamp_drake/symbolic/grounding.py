@@ -6,6 +6,7 @@ settled here, none of them is left in what comes out, and an action that they ru
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Atom, State
@@ -61,9 +62,14 @@ class GroundAction:
     further: Formula = TRUE
     conditional: tuple[ConditionalEffect, ...] = ()
 
+    @cached_property
+    def is_plain(self) -> bool:
+        """Whether preconditions, add and delete are all that there is."""
+        return self.further == TRUE and not self.conditional
+
     def applies(self, state: State) -> bool:
         """Tell whether the action can be applied in the state."""
-        return self.preconditions <= state and (self.further is TRUE or holds(self.further, state))
+        return self.preconditions <= state and (self.is_plain or holds(self.further, state))
 
     def applied(self, state: State) -> State:
         """The state after the action."""
@@ -108,7 +114,7 @@ class _Grounder:
             precondition = conjuncts(self._settled(operator.precondition, binding))
             atoms = frozenset(part for part in precondition if isinstance(part, Atom))
             further = tuple(part for part in precondition if not isinstance(part, Atom))
-            if FALSE in further or any(negation(atom) in further for atom in atoms):
+            if FALSE in further or any(isinstance(part, Not) and part.part in atoms for part in further):
                 continue
             action = Action(operator.name, tuple(binding[variable.name] for variable in operator.parameters))
             always, *conditional = self._effects(operator, binding)
@@ -207,19 +213,23 @@ def _terms(formula: Formula) -> set[str]:
 
 def _all(parts: Iterable[Formula]) -> Formula:
     """The conjunction in its simplest form; parts after the first that is FALSE are not looked at."""
-    left: dict[Formula, None] = {}
+    left = list[Formula]()
     for part in parts:
         if part is FALSE:
             return FALSE
-        left |= dict.fromkeys(conjuncts(part))
-    return TRUE if not left else next(iter(left)) if len(left) == 1 else And(tuple(left))
+        if part is not TRUE:
+            left.extend(conjuncts(part))
+    distinct = tuple(dict.fromkeys(left))
+    return distinct[0] if len(distinct) == 1 else And(distinct) if distinct else TRUE
 
 
 def _any(parts: Iterable[Formula]) -> Formula:
     """The disjunction in its simplest form; parts after the first that is TRUE are not looked at."""
-    left: dict[Formula, None] = {}
+    left = list[Formula]()
     for part in parts:
         if part is TRUE:
             return TRUE
-        left |= dict.fromkeys(disjuncts(part))
-    return FALSE if not left else next(iter(left)) if len(left) == 1 else Or(tuple(left))
+        if part is not FALSE:
+            left.extend(disjuncts(part))
+    distinct = tuple(dict.fromkeys(left))
+    return distinct[0] if len(distinct) == 1 else Or(distinct) if distinct else FALSE

@@ -118,12 +118,12 @@ class _Reader:
         known = {OBJECT, *self._types}
         parents |= {parent: OBJECT for parent in parents.values() if parent not in known.union(parents)}
         for name in parents:
-            walked = set[str]()
-            while name not in known:
-                if name in walked:
-                    _refuse(section, f"types that are not kinds of each other in a circle, as is {name}")
-                walked.add(name)
-                name = parents[name]
+            kind, walked = name, set[str]()
+            while kind not in known:
+                if kind in walked:
+                    _refuse(section, f"types that are not kinds of each other in a circle, as is {kind}")
+                walked.add(kind)
+                kind = parents[kind]
             known |= walked
         self._types |= {name: parent for name, parent in parents.items() if name != OBJECT}
 
@@ -183,11 +183,12 @@ class _Reader:
                 for part in parts:
                     yield from self._effects(part, scope, variables, condition, group)
             case ("when", when, effect):
-                both = And((condition, self._formula(when, scope, group)))
+                more = self._formula(when, scope, group)
+                both = more if condition is TRUE else And((condition, more))
                 yield from self._effects(effect, scope, variables, both, group)
             case ("forall", Group() as declared, effect):
-                more, wider = self._quantified(declared, scope)
-                yield from self._effects(effect, wider, (*variables, *more), condition, group)
+                quantified, wider = self._quantified(declared, scope)
+                yield from self._effects(effect, wider, (*variables, *quantified), condition, group)
             case ("not", Group() as atom):
                 yield Effect(variables, condition, self._atom(atom, scope), adds=False)
             case _:
