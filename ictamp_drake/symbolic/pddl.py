@@ -210,7 +210,7 @@ class _Reader:
             case _:
                 _refuse(group, f"one of the predicates {_listed(self._predicates)}")
         if len(terms) != len(types):
-            _refuse(group, f"{len(types)} terms after {predicate}, not {len(terms)}")
+            _refuse(group, f"({' '.join((predicate, *map(str.upper, types)))})")
         for term, wanted in zip(terms, types, strict=True):
             kind = self._type_of(term, scope, group)
             if wanted not in lineage(kind, self._types):
