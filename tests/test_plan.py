@@ -198,7 +198,7 @@ def test_a_bad_scene_is_refused_in_one_sentence(
 def test_the_generator_and_its_W_are_chosen_together() -> None:
     chosen = [tyro.cli(Plan, args=["scene.yaml"]).method.decisive, tyro.cli(Packing, args=[]).method.decisive]
     assert [tuple(options["generators"]) for options in chosen] == [("best_first",), ("breadth_first",)]
-    assert [options["planners"]["completion_tree"]["W"] for options in chosen] == [1.0, 30.0]
+    assert [options["planners"]["completion_tree"]["W"] for options in chosen] == [3.0, 30.0]
 
 
 def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
