@@ -11,8 +11,7 @@ from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Me
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.raster import Camera, render
-from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, viewpoint
-from ictamp_drake.world.world import World
+from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, Stage, viewpoint
 
 WIDTH, HEIGHT = 800, 600
 
@@ -26,10 +25,8 @@ def scene_png(spec: SceneSpec, c: Configuration, path: Path) -> None:
 
 def picture(spec: SceneSpec, c: Configuration) -> np.ndarray:
     """The scene as it looks in c, shape (HEIGHT, WIDTH, 3), 0 to 255."""
-    world = World(spec)
-    world.set_configuration(c)
-    scene_graph = world.diagram.scene_graph()
-    query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(world.context))
+    stage = Stage(spec)
+    query = stage.shapes(c)
     inspector = query.inspector()
     visible = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kIllustration)
     parts = [_part(query, geometry) for geometry in sorted(visible, key=GeometryId.get_value)]
