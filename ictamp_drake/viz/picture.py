@@ -1,17 +1,16 @@
 """scene.png: a picture of a configuration, drawn without a graphics card."""
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from matplotlib.image import imsave
 from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Mesh, QueryObject, Role, Shape, Sphere
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.viz.png import png
 from ictamp_drake.viz.raster import Camera, render
 from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, Stage, viewpoint
+from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
 
 WIDTH, HEIGHT = 800, 600
 
@@ -19,7 +18,7 @@ WIDTH, HEIGHT = 800, 600
 def scene_png(spec: SceneSpec, c: Configuration, path: Path) -> None:
     """Write a picture of c; it appears whole or not at all."""
     temporary = path.with_name(f".{path.name}.partial")
-    imsave(temporary, picture(spec, c), format="png")
+    temporary.write_bytes(png(picture(spec, c)))
     temporary.replace(path)
 
 
@@ -51,21 +50,13 @@ def _triangles(shape: Shape) -> tuple[FloatArray, FloatArray | None]:
     """Triangles in the shape's frame, and their colour where the shape brings one."""
     match shape:
         case Mesh():
-            return _mesh(shape.source().path())
+            return read_gltf(shape.source().path())
         case Box():
-            return trimesh.creation.box(shape.size()).triangles, None
+            return box(shape.size()), None
         case Sphere():
-            return trimesh.creation.icosphere(radius=shape.radius()).triangles, None
+            return capsule(shape.radius(), 0.0), None
         case Cylinder():
-            return trimesh.creation.cylinder(shape.radius(), shape.length()).triangles, None
+            return cylinder(shape.radius(), shape.length()), None
         case Capsule():
-            return trimesh.creation.capsule(shape.length(), shape.radius()).triangles, None
+            return capsule(shape.radius(), shape.length()), None
     raise TypeError(f"cannot draw {shape}")
-
-
-@cache
-def _mesh(path: Path) -> tuple[FloatArray, FloatArray]:
-    (mesh,) = trimesh.load_scene(path).geometry.values()
-    x, y, z = np.moveaxis(mesh.triangles, -1, 0)
-    colour = np.array(mesh.visual.material.baseColorFactor[:3]) / 255
-    return np.stack([x, -z, y], axis=-1), colour  # glTF's y axis is up

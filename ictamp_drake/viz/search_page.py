@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_hex
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.planning.tree import Step, Tree
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.viz.drawing import to_hex
 from ictamp_drake.viz.layout import CAUSE_COLORS, Layout, Record
 from ictamp_drake.viz.page import add_to_body, resource, to_script, write_page
 from ictamp_drake.viz.stage import Stage, start_meshcat
