@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from ictamp_drake.viz.growth import draw_growth
 from ictamp_drake.viz.picture import scene_png
 from ictamp_drake.viz.replay import plan_captions, replay_html
 from ictamp_drake.viz.search_page import search_html
+from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tree import draw_tree
 
 
@@ -39,22 +41,26 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
     task, result, replay = solution.task, solution.result, solution.replay
     tree = result.tree.to_dict(_configuration_to_dict)
 
+    @cache
+    def stage() -> Stage:
+        return Stage(task.spec, start_meshcat())
+
     def write_search(path: Path) -> None:
         recordings = record_steps(task.physics, result.tree, replay)
-        search_html(task.spec, result.tree, recordings, path, title)
+        search_html(task.spec, result.tree, recordings, path, title, stage=stage())
 
     def write_replay(path: Path) -> None:
         if replay is not None and result.plan is not None:
             captions = plan_captions(result.plan, starts(result.plan))
-            replay_html(task.spec, replay.frames, captions, path)
+            replay_html(task.spec, replay.frames, captions, path, stage=stage())
 
     return {
         "tree.json": lambda path: write_whole(path, json.dumps(tree)),
         "tree.svg": lambda path: draw_tree(tree, path, title),
         "growth.svg": lambda path: draw_growth(tree, path),
-        "scene.png": lambda path: scene_png(task.spec, task.c, path),
-        "replay.html": write_replay,
+        "scene.png": lambda path: scene_png(task.spec, task.c, path, stage()),
         "search.html": write_search,
+        "replay.html": write_replay,  # the last one, since its animation stays on the stage
     }
 
 

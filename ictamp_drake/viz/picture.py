@@ -15,16 +15,16 @@ from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
 WIDTH, HEIGHT = 800, 600
 
 
-def scene_png(spec: SceneSpec, c: Configuration, path: Path) -> None:
-    """Write a picture of c; it appears whole or not at all."""
+def scene_png(spec: SceneSpec, c: Configuration, path: Path, stage: Stage | None = None) -> None:
+    """Write a picture of c, of the bodies of the stage if there is one; it appears whole or not at all."""
     temporary = path.with_name(f".{path.name}.partial")
-    temporary.write_bytes(png(picture(spec, c)))
+    temporary.write_bytes(png(picture(spec, c, stage)))
     temporary.replace(path)
 
 
-def picture(spec: SceneSpec, c: Configuration) -> np.ndarray:
+def picture(spec: SceneSpec, c: Configuration, stage: Stage | None = None) -> np.ndarray:
     """The scene as it looks in c, shape (HEIGHT, WIDTH, 3), 0 to 255."""
-    stage = Stage(spec)
+    stage = stage or Stage(spec)
     query = stage.shapes(c)
     inspector = query.inspector()
     visible = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kIllustration)

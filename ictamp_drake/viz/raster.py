@@ -56,12 +56,13 @@ def render(triangles: FloatArray, colours: FloatArray, camera: Camera, backgroun
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     seen = np.sum(normals * (camera.eye - triangles[:, 0]), axis=1) > _EDGE_ON
-    shaded = np.append(colours[seen] * _brightness(normals[seen])[:, None], [[0.0, 0.0, 0.0]], axis=0)  # for -1
+    shaded = colours[seen] * _brightness(normals[seen])[:, None]
     rows = np.linspace(0, len(background) - 1, camera.shape[0])
     backdrop = np.stack([np.interp(rows, np.arange(len(background)), channel) for channel in background.T], axis=1)
     front = _front(camera.project(triangles[seen]), camera.shape)
-    parts = [(slice(i, None, _SAMPLES), slice(j, None, _SAMPLES)) for i in range(_SAMPLES) for j in range(_SAMPLES)]
-    samples = [np.where(front[part][..., None] < 0, backdrop[part[0], None], shaded[front[part]]) for part in parts]
+    palette = np.concatenate([shaded, backdrop])
+    shown = np.where(front < 0, len(shaded) + np.arange(len(front))[:, None], front)
+    samples = [palette.take(shown[i::_SAMPLES, j::_SAMPLES], axis=0) for i in range(_SAMPLES) for j in range(_SAMPLES)]
     return np.round(255 * np.clip(sum(samples) / len(samples), 0, 1)).astype(np.uint8)
 
 

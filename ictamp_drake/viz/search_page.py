@@ -34,6 +34,8 @@ def search_html(
     recordings: Mapping[int, Sequence[Frame]],
     path: Path,
     title: str = "",
+    *,
+    stage: Stage | None = None,
 ) -> None:
     """Write the page; it appears whole or not at all.
 
@@ -44,9 +46,9 @@ def search_html(
             where it ended.
         path: of the page.
         title: name of the search.
+        stage: of the scene, if there is one, which holds no animation.
     """
-    meshcat = start_meshcat()
-    stage = Stage(spec, meshcat)
+    stage = stage or Stage(spec, start_meshcat())
     stage.show(tree.root.c)
     data = {
         "title": title,
@@ -63,7 +65,7 @@ def search_html(
     }
     scripts = "\n".join(resource(f"search/{name}.js") for name in SCRIPTS)
     script = f"<script>const record = {to_script(data)};\n{scripts}</script>"
-    write_page(add_to_body(meshcat.StaticHtml(), resource("search/page.html") + script), path)
+    write_page(add_to_body(stage.meshcat.StaticHtml(), resource("search/page.html") + script), path)
 
 
 def _layout(layout: Layout) -> Record:

@@ -114,6 +114,7 @@ class Stage:
     """The bodies of a scene as they look (not as they collide), in Meshcat if one is given."""
 
     def __init__(self, spec: SceneSpec, meshcat: Meshcat | None = None) -> None:
+        self._meshcat = meshcat
         builder = RobotDiagramBuilder(time_step=0.0)
         self._bodies = add_scene(builder.plant(), spec, visible=True)
         builder.plant().Finalize()
@@ -125,6 +126,16 @@ class Stage:
         self._context = self._diagram.CreateDefaultContext()
         self._plant = self._diagram.plant()
         self._plant_context = self._plant.GetMyMutableContextFromRoot(self._context)
+        instances = [self._bodies.arm, *(body.model_instance() for body in self._bodies.boxes.values())]
+        bodies = [self._plant.get_body(i) for instance in instances for i in self._plant.GetBodyIndices(instance)]
+        self._moving = {f"{PREFIX}/{body.scoped_name()}".replace("::", "/"): body for body in bodies}
+
+    @property
+    def meshcat(self) -> Meshcat:
+        """Where the bodies are shown."""
+        if self._meshcat is None:
+            raise ValueError("this stage has no Meshcat")
+        return self._meshcat
 
     def show(self, c: Configuration) -> None:
         """Move the bodies in Meshcat to where they are in c."""
@@ -134,12 +145,7 @@ class Stage:
     def poses(self, c: Configuration) -> dict[str, RigidTransform]:
         """X_WB in c of every body that can move, by its path in Meshcat."""
         self._set(c)
-        instances = [self._bodies.arm, *(body.model_instance() for body in self._bodies.boxes.values())]
-        bodies = [self._plant.get_body(i) for instance in instances for i in self._plant.GetBodyIndices(instance)]
-        return {
-            f"{PREFIX}/{body.scoped_name()}".replace("::", "/"): body.EvalPoseInWorld(self._plant_context)
-            for body in bodies
-        }
+        return {path: body.EvalPoseInWorld(self._plant_context) for path, body in self._moving.items()}
 
     def shapes(self, c: Configuration) -> QueryObject:
         """The shapes that are drawn, where they are in c; valid until the next call of any method."""

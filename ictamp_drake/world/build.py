@@ -21,6 +21,7 @@ SKIN = 5e-5
 narrow phase fail or return directions at random, and resting boxes ought to be apart."""
 
 _VISUAL = re.compile(r"<visual\b.*?</visual>", re.DOTALL)
+_COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
 
 SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
@@ -50,7 +51,7 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) 
     Args:
         plant: of the scene.
         spec: the scene.
-        visible: whether the bodies get the shapes that are drawn; neither physics nor queries need them.
+        visible: whether the bodies get the shapes that are drawn, in the place of those that collide.
     """
     parser = Parser(plant)
     arm = add_panda(parser, visible=visible)
@@ -69,7 +70,7 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) 
 
 
 def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
-    """Add the arm with its hand, not welded to anything, with or without the shapes that are drawn."""
+    """Add the arm with its hand, not welded to anything; with the shapes that are drawn or with those that collide."""
     add_package(parser)
     (arm,) = parser.AddModelsFromString(_panda_sdf(visible), "sdf")
     return arm
@@ -79,12 +80,17 @@ def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
 def _panda_sdf(visible: bool) -> str:
     """Drake takes 0.03 s longer to parse a file than to parse its text."""
     text = (PACKAGE_FILE.parent / "sdf" / "panda.sdf").read_text(encoding="utf-8")
-    return text if visible else _VISUAL.sub("", text)
+    return _with_shapes(text, visible)
 
 
 def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, visible: bool) -> RigidBody:
-    (instance,) = parser.AddModelsFromString(sdf if visible else _VISUAL.sub("", sdf), "sdf")
+    (instance,) = parser.AddModelsFromString(_with_shapes(sdf, visible), "sdf")
     return plant.get_body(plant.GetBodyIndices(instance)[0])
+
+
+def _with_shapes(sdf: str, visible: bool) -> str:
+    """The model without the shapes of the other kind, which take a third of the time to parse it."""
+    return (_COLLISION if visible else _VISUAL).sub("", sdf)
 
 
 def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
