@@ -103,3 +103,14 @@ def test_line_that_starts_at_its_end_stays(down) -> None:
     path = ARM.line(q0, ARM.forward(q0))
     assert path is not None
     np.testing.assert_allclose(path, np.tile(q0, (len(path), 1)))
+
+
+def test_arms_with_the_same_base_share_a_plant_and_nothing_else() -> None:
+    X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.1, -0.2, 0.3])
+    one, two, other = ArmKinematics(X_WB), ArmKinematics(RigidTransform(X_WB)), ArmKinematics(RigidTransform())
+    assert one.plant is two.plant
+    assert one.plant is not other.plant
+    X_WG = one.forward(HOME)
+    two.forward(HOME + 0.1)
+    assert one.forward(HOME).IsExactlyEqualTo(X_WG)
+    np.testing.assert_allclose(X_WG.GetAsMatrix4(), (X_WB @ other.forward(HOME)).GetAsMatrix4(), atol=1e-12)
