@@ -1,5 +1,7 @@
 """The scene in Drake without physics: c to Context and back, frames and contacts."""
 
+from collections.abc import Iterable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +9,7 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
+from ictamp_drake.models.contact import CONTACT_RADIUS
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright
@@ -15,6 +18,9 @@ from ictamp_drake.world.poses import to_transform
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts among boxes and supports, whose names have no blanks."""
 ROBOT = frozenset({ARM, *FINGERS})
+_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
+_LEVEL = 0.01
+"""Corners this near to the height of a top face [m] are at its height."""
 
 
 class Touch(NamedTuple):
@@ -88,6 +94,23 @@ class World:
         """`touches` where the positions of everything, in the order of `plant`, are q."""
         self.plant.SetPositions(self._plant_context, q)
         return self._touches(tolerance)
+
+    def overhang(self, touches: Iterable[Touch]) -> bool:
+        """Whether one of the boxes that touch a support reaches beyond its rim, where the plant's positions are now."""
+        for touch in touches:
+            for box, support in ((touch.a, touch.b), (touch.b, touch.a)):
+                if box in self.sizes and support in self.spec.supports and self._overhangs(box, support):
+                    return True
+        return False
+
+    def _overhangs(self, box: str, support: str) -> bool:
+        """Whether a contact point at a corner of the box is at the height of the top face and beside it."""
+        X_TW = to_transform(self.spec.supports[support].X_WT).inverse()
+        X_TO = X_TW @ self.plant.EvalBodyPoseInWorld(self._plant_context, self.bodies.boxes[box])
+        corners = X_TO.multiply((_CORNERS * (self.sizes[box] / 2 - CONTACT_RADIUS)).T).T
+        half = np.array(self.spec.supports[support].size[:2]) / 2
+        level = np.abs(corners[:, 2]) < _LEVEL
+        return bool(np.any(level & np.any(np.abs(corners[:, :2]) > half, axis=1)))
 
     def _touches(self, tolerance: float) -> list[Touch]:
         query = self._query_port.Eval(self._query_context)

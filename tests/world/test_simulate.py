@@ -214,7 +214,7 @@ def test_a_box_that_one_finger_presses_is_not_held() -> None:
 def _efforts(physics: Physics, c: Configuration, motion: Motion) -> FloatArray:
     """Largest effort of each of the 9 joints during a motion, shape (9,)."""
     plant, largest = physics._scene.plant, np.zeros(9)
-    port, context = plant.get_net_actuation_output_port(physics.bodies.arm), physics._scene.context
+    port, context = plant.get_net_actuation_output_port(physics._scene.bodies.arm), physics._scene.context
 
     def look(_: Context) -> EventStatus:
         np.maximum(largest, np.abs(port.Eval(context)), out=largest)
