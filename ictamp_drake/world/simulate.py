@@ -14,10 +14,11 @@ from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.checks import check_fields, check_vector
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, stand_still
+from ictamp_drake.world.lookout import Lookout
 from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
 from ictamp_drake.world.poses import normalised
 from ictamp_drake.world.sleep import NEAR, Sleepers
-from ictamp_drake.world.world import Touch, World
+from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
@@ -141,6 +142,7 @@ class Physics:
         contact.use_sampled_output_ports = False  # no forces of contact to keep
         self._arm = SimulatedPlant(contact, partial(add_arm, spec=world.spec), config.gains(), None)
         self._sleepers = Sleepers(self._plain)
+        self._lookout = Lookout(world)
         bodies = self._plain.bodies
         self._boxes = {name: self._plain.positions(body.model_instance()) for name, body in bodies.boxes.items()}
         self._q = self._plain.positions(bodies.arm)
@@ -178,7 +180,7 @@ class Physics:
     def proceed(self, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True) -> Outcome:
         """Execute a motion from where the last one ended; see `run`."""
         before = self.configuration()
-        sleep, rims = self.config.sleep, self._overhang()
+        sleep, rims = self.config.sleep, self._lookout.overhang(self._positions(), self._boxes)
         while True:
             if rims != (self._scene is not self._plain):
                 self._scene = self._rimmed if rims else self._plain
@@ -203,13 +205,6 @@ class Physics:
                 raise ValueError("x of the configuration belongs to other positions of the arm or the boxes")
             x = c.x
         self._scene.x = x
-
-    def _overhang(self) -> bool:
-        return self._world.overhang(self._touches())
-
-    def _touches(self) -> list[Touch]:
-        """What is near each other at this moment."""
-        return self._world.touches_at(self._scene.x[: self._scene.plant.num_positions()], NEAR)
 
     def _execute(self, motion: Sequence[Segment], watch: Watcher | None, record: bool, *, sleep: bool) -> Outcome:
         """Execute a motion and wait for rest.
@@ -256,7 +251,8 @@ class Physics:
         if touches is None:
             self._sleepers.wake()
         else:
-            awake = self._sleepers.connected(self._touches(), touches | self._moving() | self._gathering_speed())
+            near = self._lookout.touches(self._positions(), NEAR)
+            awake = self._sleepers.connected(near, touches | self._moving() | self._gathering_speed())
             self._sleepers.let_sleep(frozenset(self._boxes) - awake)
             if not touches and not awake:
                 simulated = self._arm
@@ -292,16 +288,23 @@ class Physics:
                 self._scene.x = x
             self._looked = self._looked[1], x
             tape.add(step, x)
-            touching = self._touches()
-            if self._sleepers.disturbed(touching, arm_alone=simulated is self._arm):
-                raise _SleeperTouchedError
-            if simulated is self._plain and self._world.overhang(touching):
-                raise _OverhangError
+            self._look(arm_alone=simulated is self._arm)
             if until_rest and not self._moving():
                 break
         if later:
             self._held = None if simulated is self._arm else self._scene.gripped(self.config.min_pad_force)
         return step
+
+    def _look(self, *, arm_alone: bool) -> None:
+        """Raise when there is contact with what sleeps, or a box that overhangs in a scene without rims."""
+        q = self._positions()
+        if self._sleepers.asleep and self._sleepers.disturbed(self._lookout.passing(q), arm_alone=arm_alone):
+            raise _SleeperTouchedError
+        if self._scene is self._plain and self._lookout.overhang(q, self._boxes.keys() - self._sleepers.asleep):
+            raise _OverhangError
+
+    def _positions(self) -> FloatArray:
+        return self._scene.x[: self._scene.plant.num_positions()]
 
     def _moving(self) -> frozenset[str]:
         """The boxes that are not at rest."""

@@ -16,6 +16,9 @@ class Sleepers:
     """The sleeping boxes of a simulated scene.
 
     Their joints are locked, so that they are as firm as a wall. Contact with what is awake stays, and can be noticed.
+
+    Attributes:
+        asleep: names of the sleeping boxes.
     """
 
     def __init__(self, scene: SimulatedScene) -> None:
@@ -24,7 +27,7 @@ class Sleepers:
         self._context = scene.context
         self._joints = {name: plant.get_joint(plant.GetJointIndices(at)[0]) for name, at in instances.items()}
         self._velocities = {name: scene.velocities(at) for name, at in instances.items()}
-        self._asleep: frozenset[str] = frozenset()
+        self.asleep: frozenset[str] = frozenset()
 
     def wake(self) -> None:
         """Wake all boxes."""
@@ -32,11 +35,11 @@ class Sleepers:
 
     def let_sleep(self, names: frozenset[str]) -> None:
         """Let these boxes sleep, whose velocities become zero, and wake all others."""
-        for name in sorted(self._asleep - names):
+        for name in sorted(self.asleep - names):
             self._joints[name].Unlock(self._context)
-        for name in sorted(names - self._asleep):
+        for name in sorted(names - self.asleep):
             self._joints[name].Lock(self._context)
-        self._asleep = names
+        self.asleep = names
 
     def moving(self, x: FloatArray, speed: float, turn: float) -> frozenset[str]:
         """The boxes that are faster than `speed` [m/s] or turn faster than `turn` [rad/s] in a state of the plant."""
@@ -70,7 +73,7 @@ class Sleepers:
         movable = self._joints.keys() | ROBOT
         for touch in touches:
             pair = {touch.a, touch.b}
-            noticed = (arm_alone and pair & ROBOT) or (pair & self._asleep and pair & movable - self._asleep)
+            noticed = (arm_alone and pair & ROBOT) or (pair & self.asleep and pair & movable - self.asleep)
             if noticed and touch.distance <= 0:
                 return True
         return False

@@ -1,15 +1,13 @@
 """The scene in Drake without physics: c to Context and back, frames and contacts."""
 
-from collections.abc import Iterable
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
-from ictamp_drake.models.contact import CONTACT_RADIUS
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright
@@ -18,9 +16,6 @@ from ictamp_drake.world.poses import to_transform
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts among boxes and supports, whose names have no blanks."""
 ROBOT = frozenset({ARM, *FINGERS})
-_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
-_LEVEL = 0.01
-"""Corners this near to the height of a top face [m] are at its height."""
 
 
 class Touch(NamedTuple):
@@ -61,7 +56,6 @@ class World:
         self.context = self.diagram.CreateDefaultContext()
         self._plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
         self._query_port = self.diagram.scene_graph().get_query_output_port()
-        self._query_context = self.diagram.scene_graph().GetMyContextFromRoot(self.context)
         self._names = self._name_geometries()
         self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
         self._tops = {name: _Top.of(support) for name, support in spec.supports.items()}
@@ -88,32 +82,11 @@ class World:
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
         """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""
         self.set_configuration(c)
-        return self._touches(tolerance)
+        return self.touches_in(self.context, tolerance)
 
-    def touches_at(self, q: FloatArray, tolerance: float) -> list[Touch]:
-        """`touches` where the positions of everything, in the order of `plant`, are q."""
-        self.plant.SetPositions(self._plant_context, q)
-        return self._touches(tolerance)
-
-    def overhang(self, touches: Iterable[Touch]) -> bool:
-        """Whether one of the boxes that touch a support reaches beyond its rim, where the plant's positions are now."""
-        for touch in touches:
-            for box, support in ((touch.a, touch.b), (touch.b, touch.a)):
-                if box in self.sizes and support in self.spec.supports and self._overhangs(box, support):
-                    return True
-        return False
-
-    def _overhangs(self, box: str, support: str) -> bool:
-        """Whether a contact point at a corner of the box is at the height of the top face and beside it."""
-        X_TW = to_transform(self.spec.supports[support].X_WT).inverse()
-        X_TO = X_TW @ self.plant.EvalBodyPoseInWorld(self._plant_context, self.bodies.boxes[box])
-        corners = X_TO.multiply((_CORNERS * (self.sizes[box] / 2 - CONTACT_RADIUS)).T).T
-        half = np.array(self.spec.supports[support].size[:2]) / 2
-        level = np.abs(corners[:, 2]) < _LEVEL
-        return bool(np.any(level & np.any(np.abs(corners[:, :2]) > half, axis=1)))
-
-    def _touches(self, tolerance: float) -> list[Touch]:
-        query = self._query_port.Eval(self._query_context)
+    def touches_in(self, context: Context, tolerance: float) -> list[Touch]:
+        """`touches` in another context of the diagram."""
+        query = self._query_port.Eval(self.diagram.scene_graph().GetMyContextFromRoot(context))
         found = []
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance + 2 * SKIN):
             a, b = self._names[pair.id_A], self._names[pair.id_B]
