@@ -7,15 +7,27 @@ from typing import Annotated
 
 import tyro
 
-from ictamp_drake.runs.options import Conduct, Method
+from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.runs.options import Conduct, Method, Planners
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.solve import prepare
 from ictamp_drake.runs.worker import Job, Problem
+
+METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
+"""How a scene is planned in unless told otherwise; experiments keep the defaults of `Method`.
+
+Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
+thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first
+search and 30 (`benchmarks/opening.py`).
+"""
 
 
 @dataclass(frozen=True)
 class Plan:
     """Plan in the scene of a file until its goal is reached, execute and record the plan.
+
+    High-level plans come from best-first search by default, and W is chosen with it; with --generator breadth-first,
+    --planners.completion-tree.W 30 is the value to take.
 
     Attributes:
         scene: YAML file of the scene.
@@ -25,7 +37,7 @@ class Plan:
 
     scene: tyro.conf.Positional[Path]
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
-    method: Annotated[Method, tyro.conf.arg(name="")] = Method()
+    method: Annotated[Method, tyro.conf.arg(name="")] = METHOD
 
 
 def work(options: Plan) -> Work:

@@ -7,19 +7,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tyro
 import yaml
 
 from ictamp_drake.core.types import Configuration
+from ictamp_drake.experiments.packing import Packing
 from ictamp_drake.plan import Plan, work
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.plan_file import read_plan, write_plan
 from ictamp_drake.runs.records import Record, read_records
+from ictamp_drake.runs.solve import prepare
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.world.simulate import PhysicsConfig
 from tests.runs.programs import SCENE, run, timeless
 
 LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed plays no part
+
+CROWD = Path(__file__).parent / "scenes" / "cases" / "f3-many-bystanders.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -190,6 +195,23 @@ def test_a_bad_scene_is_refused_in_one_sentence(
     assert message.startswith(f"{path}: ")
     assert sentence in message
     assert not (tmp_path / "out").exists()
+
+
+def test_the_generator_and_its_W_are_chosen_together() -> None:
+    chosen = [tyro.cli(Plan, args=["scene.yaml"]).method.decisive, tyro.cli(Packing, args=[]).method.decisive]
+    assert [tuple(options["generators"]) for options in chosen] == [("best_first",), ("breadth_first",)]
+    assert [options["planners"]["completion_tree"]["W"] for options in chosen] == [3.0, 30.0]
+
+
+def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
+    method = Plan(CROWD).method
+    task = prepare(CROWD, method)
+    assert len(task.domain.boxes) == 21
+    stream = method.parts.generator.create(task.domain, task.abstraction(task.c), task.goal)
+    plan = stream.next_plan(method.max_expansions)
+    assert plan is not None
+    assert len(plan) == 10
+    assert stream.expanded <= 20
 
 
 def test_a_missing_scene_is_named(folder: Path) -> None:

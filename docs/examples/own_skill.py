@@ -55,6 +55,10 @@ class ProvenPick:
         way = heave.trajectory
         return (*motion, way.segment("heave", lift.gripper), way.reversed().segment("let down", lift.gripper))
 
+    def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
+        """Where the motion ends if all goes well."""
+        return self.pick.promise(c, action, k, motion)
+
 
 def main() -> None:
     method = Method(sampler="optimisation", estimator="constant", time_limit=250)

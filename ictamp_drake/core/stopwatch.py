@@ -1,8 +1,9 @@
 """Computing time by stage."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 
 
 class Stopwatch:
@@ -10,11 +11,14 @@ class Stopwatch:
 
     Args:
         clock: seconds from any origin.
+        seconds: those of stages to begin with.
     """
 
-    def __init__(self, clock: Callable[[], float] = time.process_time) -> None:
+    def __init__(
+        self, clock: Callable[[], float] = time.process_time, seconds: Mapping[str, float] = MappingProxyType({})
+    ) -> None:
         self._clock = clock
-        self._seconds: dict[str, float] = {}
+        self._seconds = dict(seconds)
 
     @property
     def seconds(self) -> dict[str, float]:

@@ -4,6 +4,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from time import process_time
 from typing import Generic
 
 import numpy as np
@@ -11,15 +12,18 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Abstraction, Estimator, PlanGenerator, SkillRunner
 from ictamp_drake.core.stopwatch import Stopwatch
-from ictamp_drake.core.types import Attempt, C
+from ictamp_drake.core.types import Attempt, C, State
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import PlanningResult, StopReason
 from ictamp_drake.planning.rule import OpenPlan, RuleConfig, SelectionRule
-from ictamp_drake.planning.tree import Node, RunStep, Tree
+from ictamp_drake.planning.tree import ROOT, Node, RunStep, Tree
 
 Verify = Callable[[tuple[Attempt[C], ...]], bool]
 """Judge of a finished plan: the attempts from c_0 to the goal, in order -> does the whole plan hold?"""
+
+Execute = Callable[[C, Attempt[C], State], Attempt[C]]
+"""Physics of a step whose end was only promised: c, the attempt, the state it promises -> what came of it."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,7 @@ class PlannerConfig:
         estimator: Estimator[C],
         verify: Verify[C],
         rng: np.random.Generator,
+        execute: Execute[C] | None = None,
         listeners: Sequence[Listener] = (),
         stop: Callable[[], bool] = lambda: False,
         clock: Callable[[], float] = time.perf_counter,
@@ -83,13 +88,15 @@ class PlannerConfig:
             estimator: P, handed to the selection rule.
             verify: judges a plan that was carried out to its end; when it says no, the search goes on.
             rng: source of every random choice of rule and skills.
+            execute: runs the steps of a finished plan in physics where `skills` only promise how they end. A step that
+                fails there counts as a failed attempt, and the search goes on from what physics reached.
             listeners: called with every event.
             stop: asked before every computational action; True ends the search as Ctrl-C does.
             clock: seconds from any origin.
         """
         tree = Tree(c, abstraction(c))  # Algorithm 1, line 1
         rule = self.rule.create(estimator)
-        return Planner(self, tree, rule, generator, skills, verify, rng, tuple(listeners), stop, clock)
+        return Planner(self, tree, rule, generator, skills, verify, rng, execute, tuple(listeners), stop, clock)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,24 +110,29 @@ class Planner(Generic[C]):
     skills: SkillRunner[C]
     verify: Verify[C]
     rng: np.random.Generator
+    execute: Execute[C] | None
     listeners: tuple[Listener, ...]
     stop: Callable[[], bool]
     clock: Callable[[], float]
     _stopwatch: Stopwatch = field(init=False)
     _finished: list[int] = field(default_factory=list, init=False)
+    _executed: set[int] = field(default_factory=lambda: {ROOT}, init=False)
+    _geometric: list[float] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_stopwatch", Stopwatch())
 
     def run(self) -> PlanningResult[C]:
         """Search until a plan is verified, nothing is left to do or the budget is spent; Ctrl-C ends it cleanly."""
-        start = self.clock()
+        start, cpu_start = self.clock(), process_time()
         try:
             reason = self._search(deadline=start + self.config.budget.seconds)
         except KeyboardInterrupt:
             reason = StopReason.STOPPED
         candidate = self._finished[-1] if self._finished else None
-        return PlanningResult(self.tree, reason, self.clock() - start, self._seconds_by_stage(), candidate)
+        seconds = self.clock() - start
+        geometric = self._geometric[0] - cpu_start if self._geometric else None
+        return PlanningResult(self.tree, reason, seconds, self._seconds_by_stage(), candidate, geometric)
 
     def _search(self, deadline: float) -> StopReason:
         self.tree.exhausted = self.generator.exhausted
@@ -128,7 +140,12 @@ class Planner(Generic[C]):
             with self._stopwatch.stage("selection"):
                 option = self.rule.choose(self.tree, self.rng)
             reached = self._open_plan(option) if isinstance(option, OpenPlan) else self._run_step(option)
-            if reached is not None and self.tree.is_finished(reached) and self._is_verified(reached):
+            if (
+                reached is not None
+                and self.tree.is_finished(reached)
+                and self._is_executed(reached)
+                and self._is_verified(reached)
+            ):
                 return StopReason.SOLVED
         return reason
 
@@ -164,6 +181,31 @@ class Planner(Generic[C]):
         child = None if step.child is None else self.tree.nodes[step.child]
         self._tell(StepDone(node, attempt, child))
         return child
+
+    def _is_executed(self, node: Node[C]) -> bool:
+        """Whether physics confirms every step that leads to the node; asks it about those that were only promised."""
+        if self.execute is None:
+            return True
+        self._geometric.append(process_time())
+        for number in self.tree.lineage(node.index):
+            if number in self.tree.refuted:
+                return False
+            if number not in self._executed and not self._is_confirmed(self.tree.nodes[number], self.execute):
+                return False
+            self._executed.add(number)
+        return True
+
+    def _is_confirmed(self, node: Node[C], execute: Execute[C]) -> bool:
+        assert node.parent is not None, "the root needs no physics"
+        assert node.attempt is not None
+        parent = self.tree.nodes[node.parent]
+        attempt = execute(parent.c, node.attempt, node.s)
+        if attempt.succeeded:
+            self.tree.confirm(node.index, attempt)
+        else:
+            self.tree.refute(node.index, attempt)
+            self._tell(StepDone(parent, attempt, None))
+        return attempt.succeeded
 
     def _is_verified(self, node: Node[C]) -> bool:
         path = self.tree.path(node.index)

@@ -67,6 +67,8 @@ class PlanningResult(Generic[C]):
         seconds_by_stage: computing time of the skills' own stages and of "plan_generator", "selection" (the choice of
             what to do next, which is mostly the estimator) and "verification" [s].
         candidate: number of the node at the goal whose path is `plan`: the verified one, or else the last one found.
+        geometric_time_s: processor time from the start until the first plan was finished of which no step had run in
+            physics yet [s]; None when there is none, or when each step runs in physics at once.
     """
 
     tree: Tree[C]
@@ -74,6 +76,7 @@ class PlanningResult(Generic[C]):
     planning_time_s: float
     seconds_by_stage: Mapping[str, float]
     candidate: int | None
+    geometric_time_s: float | None = None
 
     @property
     def solved(self) -> bool:

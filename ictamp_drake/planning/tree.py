@@ -6,7 +6,7 @@ selection rules read it, the planner writes it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic, NamedTuple
 
 from ictamp_drake.core.types import Action, Attempt, C, Parameter, Skeleton, State
@@ -94,6 +94,7 @@ class Tree(Generic[C]):
         holders: for each plan the numbers of the nodes that hold it.
         log: openings and steps in the order in which they happened.
         candidates: nodes at which a plan was finished, and whether the whole plan was verified.
+        refuted: nodes that physics did not reach, and all below them; no plan holds them any longer.
         exhausted: True when no further plan can come.
     """
 
@@ -103,6 +104,7 @@ class Tree(Generic[C]):
         self.holders: list[list[int]] = []
         self.log: list[Opening | Step[C]] = []
         self.candidates: dict[int, bool] = {}
+        self.refuted: set[int] = set()
         self.exhausted = False
         self._numbers: dict[Skeleton, int] = {}
         self._lineages: list[tuple[int, ...]] = [(ROOT,)]
@@ -127,8 +129,8 @@ class Tree(Generic[C]):
 
     @property
     def open_plans(self) -> list[int]:
-        """Numbers of the plans that have a first action to attempt."""
-        return [number for number, plan in enumerate(self.plans) if plan.actions]
+        """Numbers of the plans that have a first action to attempt, and a node to attempt it from."""
+        return [number for number, plan in enumerate(self.plans) if plan.actions and self.holders[number]]
 
     @property
     def runs(self) -> list[RunStep]:
@@ -187,6 +189,34 @@ class Tree(Generic[C]):
         self.log.append(step)
         return step
 
+    def confirm(self, node: int, attempt: Attempt[C]) -> None:
+        """Put what physics made of the attempt that led to a node in the place of what was promised.
+
+        Raises:
+            ValueError: when the attempt did not succeed.
+        """
+        if attempt.successor is None or not attempt.succeeded:
+            raise ValueError(f"{attempt.action} was not confirmed by physics")
+        self.nodes[node].c, self.nodes[node].attempt = attempt.successor, attempt
+        place, step = self._step_to(node)
+        self.log[place] = replace(step, attempt=attempt)
+
+    def refute(self, node: int, attempt: Attempt[C]) -> Step[C]:
+        """Count a failure of physics at the attempt that led to a node, which is given up with all below it."""
+        for each in self.nodes:
+            if node in self.lineage(each.index) and each.index not in self.refuted:
+                self.refuted.add(each.index)
+                for plan in each.cnt:
+                    self.holders[plan].remove(each.index)
+        _, led = self._step_to(node)
+        return self.record_step(led.node, led.plan, attempt)
+
+    def _step_to(self, node: int) -> tuple[int, Step[C]]:
+        """Place in the log, and the step that led to the node."""
+        return next(
+            (place, entry) for place, entry in enumerate(self.log) if isinstance(entry, Step) and entry.child == node
+        )
+
     def lineage(self, node: int) -> tuple[int, ...]:
         """Numbers of the nodes from the root to this one, both included."""
         return self._lineages[node]
@@ -244,6 +274,8 @@ class Tree(Generic[C]):
         rests: dict[int | None, Skeleton] = {ROOT: plan}
         for node in self.nodes:
             before = rests.get(node.parent)
+            if node.index in self.refuted:
+                continue
             if before and node.attempt and (node.attempt.action, node.s) == (before.actions[0], before.states[1]):
                 rests[node.index] = before.suffix(1)
                 self._hold(node, rests[node.index])

@@ -116,6 +116,9 @@ class Method:
         verify: What a found plan must pass besides the execution of its skills one after the other, which is one
             execution of the whole, bit for bit. none: nothing more. awake: another execution, in a fresh simulator in
             which no box sleeps. fine: the same with a time step of 1 ms.
+        execution: When physics runs the skills. each-step: each at once, so that the search goes on from where physics
+            ended. whole-plan: a plan as a whole once its motions are found; until then a skill ends where it promises.
+            A step that physics refuses is blamed, and the search goes on from the one before.
         skills: constants of the skills and of motion planning.
         physics: how the scene is simulated.
         predicates: tolerances of H.
@@ -134,6 +137,7 @@ class Method:
     planner: Annotated[str, one_of(choices(Planners))] = "completion-tree"
     max_expansions: int = PlannerConfig.max_expansions
     verify: Literal["none", "awake", "fine"] = "none"
+    execution: Annotated[Literal["each-step", "whole-plan"], tyro.conf.arg(name="physics")] = "each-step"
     skills: SkillsConfig = SkillsConfig()
     physics: PhysicsConfig = PhysicsConfig()
     predicates: PredicateConfig = PredicateConfig()

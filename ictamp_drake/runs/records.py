@@ -42,6 +42,9 @@ class Record:
         planning_time_s: time until a plan was found or the search ended [s]: loading the scene, building it in Drake,
             search and verification. Importing modules and writing files are not in it.
         cpu_time_s: processor time of the process in the same span [s]; None in records of earlier versions.
+        kinematic_time_s: the part of it that is not physics [s].
+        geometric_time_s: processor time until the first plan was finished of which no step had run in physics yet [s],
+            with --physics whole-plan; otherwise None.
         high_level_plans: plans opened.
         low_level_steps: runs of a skill.
         steps_by_depth: how many of these started from a node of depth 0, 1, ...
@@ -68,6 +71,8 @@ class Record:
     stop_reason: str
     planning_time_s: float
     cpu_time_s: float | None = None
+    kinematic_time_s: float | None = None
+    geometric_time_s: float | None = None
     high_level_plans: int = 0
     low_level_steps: int = 0
     steps_by_depth: tuple[int, ...] = ()
@@ -113,6 +118,8 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         stop_reason=result.stop_reason.name,
         planning_time_s=_rounded(solution.planning_time_s),
         cpu_time_s=_rounded(solution.cpu_time_s),
+        kinematic_time_s=_rounded(solution.kinematic_time_s),
+        geometric_time_s=None if solution.geometric_time_s is None else _rounded(solution.geometric_time_s),
         high_level_plans=result.high_level_plans,
         low_level_steps=result.low_level_steps,
         steps_by_depth=result.steps_by_depth,

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter, process_time
 
@@ -59,12 +59,21 @@ class Solution:
         result: what the search left.
         planning_time_s: time from the start of loading the scene until the plan was found or given up [s].
         cpu_time_s: processor time of this process in the meantime [s].
+        geometric_time_s: processor time until the first plan was finished of which no step had run in physics yet [s];
+            None when there is none, or when each step runs in physics at once.
     """
 
     task: Task
     result: PlanningResult[Configuration]
     planning_time_s: float
     cpu_time_s: float
+    geometric_time_s: float | None = None
+
+    @property
+    def kinematic_time_s(self) -> float:
+        """Processor time of everything but physics [s]."""
+        stages = self.result.seconds_by_stage
+        return self.cpu_time_s - stages.get("physics", 0.0) - stages.get("verification", 0.0)
 
     @property
     def execution_time_s(self) -> float | None:
@@ -111,19 +120,23 @@ def solve(
     parts = parts or method.parts
     skills = method.skills.create(task.world, task.abstraction, task.physics, parts.sampler, parts.skills)
     budget = method.budget(elapsed=perf_counter() - task.started)
+    whole = method.execution == "whole-plan"
     planner = PlannerConfig(budget, method.max_expansions, parts.rule).create(
         c=task.c,
         abstraction=task.abstraction,
         generator=parts.generator.create(task.domain, task.abstraction(task.c), task.goal),
-        skills=skills,
+        skills=replace(skills, promises=whole),
+        execute=skills.execute if whole else None,
         estimator=parts.estimator.create(task.world, skills),
         verify=verifier(task, method),
         rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
         listeners=listeners,
         stop=stop,
     )
+    before = process_time() - task.cpu_started
     result = planner.run()
-    return Solution(task, result, perf_counter() - task.started, process_time() - task.cpu_started)
+    geometric = None if result.geometric_time_s is None else before + result.geometric_time_s
+    return Solution(task, result, perf_counter() - task.started, process_time() - task.cpu_started, geometric)
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:

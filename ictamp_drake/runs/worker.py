@@ -100,8 +100,6 @@ def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
         learned: whether trained networks will be needed.
         meshcat: whether to show what is planned.
     """
-    import ictamp_drake.symbolic.pddl  # noqa: PLC0415
-
     if learned:
         import ictamp_drake.learning.models  # noqa: F401, PLC0415
     end_with_parent()

@@ -1,6 +1,7 @@
 """What a skill is, and the pieces from which skills put their motions together."""
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -25,6 +26,9 @@ class Skill(Protocol):
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that carries out the action from c with parameter k, or what is in its way."""
 
+    def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
+        """Where the motion ends if all goes well; asked only when plans run in physics as a whole."""
+
 
 class SkillConfig(Protocol):
     """Configuration of a skill."""
@@ -36,6 +40,14 @@ class SkillConfig(Protocol):
 def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand, touches: Collection[str]) -> Segment:
     """The arm stands still at q, shape (7,) [rad], while the gripper goes from one command to the next."""
     return stand_still(label, gripper_time(before, after) + PAUSE, q, after, frozenset(touches))
+
+
+def at_end(
+    c: Configuration, motion: Motion, *, width: float, held: str | None, moved: Mapping[str, FloatArray]
+) -> Configuration:
+    """c after a motion that went well: the fingers `width` apart [m], the `moved` boxes at their X_WO."""
+    q = motion[-1].control_points[-1]
+    return replace(imagined(c, q=q, width=width, held=held, moved=moved), gripper=motion[-1].gripper)
 
 
 def imagined(

@@ -13,14 +13,25 @@ R_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidTransform:
     """X_WG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
-    R_UG = RotationMatrix.MakeZRotation(k[3]) @ R_DOWN
-    return world.upright(c, box).X_WU @ RigidTransform(R_UG, k[:3])
+    return world.upright(c, box).X_WU @ grasp_in_box(k)
+
+
+def grasp_in_box(k: Parameter) -> RigidTransform:
+    """X_UG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
+    return RigidTransform(RotationMatrix.MakeZRotation(k[3]) @ R_DOWN, k[:3])
 
 
 def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> Parameter:
     """k of a hand pose, the inverse of `grasp_pose` for hands that point down."""
     X_UG = world.upright(c, box).X_WU.inverse() @ X_WG
     return np.append(X_UG.translation(), yaw_of(X_UG.rotation() @ R_DOWN.inverse()))
+
+
+def gripped_squarely(k: Parameter) -> RigidTransform:
+    """X_GU after the fingers have closed with k: they centre the box between them and turn it square to them."""
+    R_UG = RotationMatrix.MakeZRotation(round(k[3] / (np.pi / 2)) * np.pi / 2) @ R_DOWN
+    p_GU = grasp_in_box(k).inverse().translation()
+    return RigidTransform(R_UG.inverse(), [p_GU[0], 0.0, p_GU[2]])
 
 
 def held_bottom(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> RigidTransform:
@@ -33,8 +44,12 @@ def placement_pose(
     world: World, c: Configuration, receptacle: str, X_GB: RigidTransform, k: Parameter
 ) -> RigidTransform:
     """X_WG with which the held box's bottom frame B is at k = (x, y, z, yaw) in the receptacle's frame T."""
-    X_TB = RigidTransform(RotationMatrix.MakeZRotation(k[3]), k[:3])
-    return world.X_WT(c, receptacle) @ X_TB @ X_GB.inverse()
+    return world.X_WT(c, receptacle) @ level_pose(k) @ X_GB.inverse()
+
+
+def level_pose(k: Parameter) -> RigidTransform:
+    """X_TB of the held box's bottom frame B placed with k = (x, y, z, yaw) in the receptacle's frame T."""
+    return RigidTransform(RotationMatrix.MakeZRotation(k[3]), k[:3])
 
 
 def placement_parameter(

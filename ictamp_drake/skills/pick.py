@@ -8,8 +8,9 @@ from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motio
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.checks import check_fields
-from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
-from ictamp_drake.skills.geometry import grasp_pose, grip_width, raised
+from ictamp_drake.skills.base import OPEN, TIP, at_end, hold, imagined
+from ictamp_drake.skills.geometry import grasp_pose, grip_width, gripped_squarely, raised
+from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.situations import LIFT
 from ictamp_drake.world.world import World
 
@@ -72,3 +73,12 @@ class Pick:
             hold("grasp", q_grasp, OPEN, grasp, {box}),
             lift.trajectory.segment("lift", grasp, {box}),
         )
+
+    def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
+        """The box in the lifted hand, in the middle of the fingers and square to them."""
+        box = action.args[0]
+        lying = self._world.upright(c, box)
+        X_WG = self._planner.kinematics.forward(motion[-1].control_points[-1])
+        X_WU = X_WG @ gripped_squarely(k)
+        X_WO = X_WU @ lying.X_WU.inverse() @ to_transform(c.poses[box])
+        return at_end(c, motion, width=grip_width(self._world, c, box, k[3]), held=box, moved={box: to_pose(X_WO)})

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.checks import check_fields
-from ictamp_drake.skills.base import OPEN, TIP, hold, imagined
-from ictamp_drake.skills.geometry import held_bottom, placement_pose, raised
+from ictamp_drake.skills.base import OPEN, TIP, at_end, hold, imagined
+from ictamp_drake.skills.geometry import held_bottom, level_pose, placement_pose, raised, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
@@ -71,6 +71,21 @@ class Place:
             hold("release", q_place, c.gripper, OPEN, {box, receptacle}),
             retreat.trajectory.segment("retreat", OPEN, ()),
         )
+
+    def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
+        """The box level on the receptacle."""
+        box, receptacle = action.args
+        X_WO = to_transform(c.poses[box])
+        lying = self._world.upright(c, box)
+        X_TB = level_pose(k)
+        X_WT = self._world.X_WT(c, receptacle)
+        X_WB = X_WT @ X_TB
+        X_WU = RigidTransform(
+            RotationMatrix.MakeZRotation(yaw_of(X_WB.rotation())),
+            [*X_WB.translation()[:2], X_WT.translation()[2] + lying.size[2] / 2],
+        )
+        end = X_WU @ lying.X_WU.inverse() @ X_WO
+        return at_end(c, motion, width=motion[-1].gripper.width, held=None, moved={box: to_pose(end)})
 
     def _top_above_hand(self, c: Configuration, box: str, X_GB: RigidTransform) -> float:
         return float(self._world.upright(c, box).size[2] - X_GB.translation()[2])

@@ -1,7 +1,7 @@
 """One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Protocol
 
@@ -75,13 +75,23 @@ class SkillsConfig:
 
 @dataclass(frozen=True, eq=False)
 class Skills:
-    """All skills behind one door, the planner's `SkillRunner`."""
+    """All skills behind one door, the planner's `SkillRunner`.
+
+    Attributes:
+        draws: parameters drawn until one has a motion.
+        abstraction: H.
+        physics: of the scene.
+        sampler: of k.
+        skills: by the name of their action.
+        promises: whether an attempt ends where its skill promises, not where physics ends. `execute` asks physics then.
+    """
 
     draws: int
     abstraction: Abstraction
     physics: Physics
     sampler: Sampler[Configuration]
     skills: Mapping[str, Skill]
+    promises: bool = False
 
     def attempt(
         self,
@@ -107,21 +117,39 @@ class Skills:
         if isinstance(plan, Refusal):
             obstacles = tuple(refusal.obstacle for refusal in (*refusals, plan) if refusal.obstacle)
             return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail, obstacles)
+        attempt = Attempt[Configuration](action, None, None, k, plan, rejections)
+        if not self.promises or k is None:
+            return self._executed(c, attempt, promised, stopwatch)
+        with stopwatch.stage("abstraction"):
+            outcome = Outcome(self.skills[action.name].promise(c, action, k, plan), True, None, plan, None)
+        return self._judged(attempt, outcome, promised, stopwatch)
+
+    def execute(self, c: Configuration, attempt: Attempt[Configuration], promised: State) -> Attempt[Configuration]:
+        """Run the motion of an attempt from c, where it was planned for the configuration that was promised for c."""
+        return self._executed(c, attempt, promised, Stopwatch(seconds=attempt.seconds))
+
+    def _executed(
+        self, c: Configuration, attempt: Attempt[Configuration], promised: State, stopwatch: Stopwatch
+    ) -> Attempt[Configuration]:
         try:
             with stopwatch.stage("physics"):
-                outcome = execute(self.physics, c, action, plan)
+                outcome = execute(self.physics, c, attempt.action, attempt.motion)
         except RuntimeError as error:
             sentence = str(error).partition(".")[0]
-            return Attempt(action, Failure.NOT_SETTLED, None, k, plan, rejections, stopwatch.seconds, sentence)
+            seconds = stopwatch.seconds
+            return replace(attempt, failure=Failure.NOT_SETTLED, successor=None, seconds=seconds, detail=sentence)
+        return self._judged(attempt, outcome, promised, stopwatch)
+
+    def _judged(
+        self, attempt: Attempt[Configuration], outcome: Outcome, promised: State, stopwatch: Stopwatch
+    ) -> Attempt[Configuration]:
         with stopwatch.stage("abstraction"):
-            failure, detail = judge(self.abstraction(outcome.c), promised, action, outcome)
-        return Attempt(
-            action=action,
+            failure, detail = judge(self.abstraction(outcome.c), promised, attempt.action, outcome)
+        return replace(
+            attempt,
             failure=failure,
             successor=outcome.c,
-            k=k,
             motion=outcome.motion,
-            rejections=rejections,
             seconds=stopwatch.seconds,
             detail=detail,
             recording=outcome.recording,

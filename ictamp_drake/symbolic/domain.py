@@ -1,5 +1,6 @@
 """The ground domain of one scene: which actions apply in a state s and where each of them leads."""
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -7,25 +8,8 @@ from functools import cached_property
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import IN_HAND, LYING, MOVED, ON, TIPPED, UPRIGHT
-
-
-@dataclass(frozen=True)
-class GroundAction:
-    """An action a in STRIPS: applicable where all of `preconditions` hold, ends where they are replaced.
-
-    Attributes:
-        action: name and objects.
-        preconditions, add, delete: ground atoms; upright and tipped are never among them.
-    """
-
-    action: Action
-    preconditions: frozenset[Atom]
-    add: frozenset[Atom]
-    delete: frozenset[Atom]
-
-    def applied(self, state: State) -> State:
-        """The state after the action."""
-        return (state - self.delete) | self.add
+from ictamp_drake.symbolic.grounding import GroundAction, ground
+from ictamp_drake.symbolic.pddl import boxes_domain
 
 
 @dataclass(frozen=True)
@@ -47,21 +31,21 @@ class Domain:
         Raises:
             IctampError: the name of an object is taken, or a box of the initial state is not in exactly one place.
         """
-        from ictamp_drake.symbolic import pddl  # noqa: PLC0415  (takes 0.7 s, more than a whole search)
-
         for box in boxes:
             _check_place(box, initial)
-        problem = pddl.planning_problem(boxes, supports, initial, frozenset())
-        places = [*supports, *boxes]
+        objects = _typed_objects(boxes, supports)
+        rank = {place: number for number, place in enumerate((*supports, *boxes))}
         actions = sorted(
-            (GroundAction(action, *effects) for action, effects in pddl.ground(problem)),
-            key=lambda ground: (ground.action.name, places.index(ground.action.args[1]), ground.action),
+            ground(boxes_domain(), objects, initial),
+            key=lambda each: (each.action.name, rank[each.action.args[1]], each.action),
         )
         return cls(tuple(boxes), tuple(supports), tuple(actions))
 
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
         """The applicable actions in their order, each with the state that it promises."""
-        return tuple((g.action, g.applied(state)) for g in self.actions if g.preconditions <= state)
+        numbers = sorted(number for atom in (None, *state) for number in self.by_rarest.get(atom, ()))
+        candidates = map(self.actions.__getitem__, numbers)
+        return tuple((each.action, each.applied(state)) for each in candidates if each.applies(state))
 
     def successor(self, state: State, action: Action) -> State:
         """The state that the action promises.
@@ -69,10 +53,10 @@ class Domain:
         Raises:
             ValueError: the action is not applicable in the state, or not of this domain.
         """
-        ground = self._by_name.get(action)
-        if ground is None or not ground.preconditions <= state:
+        found = self._by_name.get(action)
+        if found is None or not found.applies(state):
             raise ValueError(f"{action} is not applicable in the given state.")
-        return ground.applied(state)
+        return found.applied(state)
 
     def minding(self, obstructions: Collection[Obstruction]) -> "Domain":
         """The domain in which the boxes that are in the way of an action must have been moved before it.
@@ -81,25 +65,47 @@ class Domain:
         of actions, so that plans follow those without obstructions for as long as they can.
         """
         boxes = {obstruction.box for obstruction in obstructions}
-        in_order = sorted(
-            self.actions, key=lambda ground: ground.action.name == "pick" and ground.action.args[0] in boxes
-        )
+        in_order = sorted(self.actions, key=lambda each: each.action.name == "pick" and each.action.args[0] in boxes)
         return replace(
             self,
             actions=tuple(
                 replace(
-                    ground,
-                    preconditions=ground.preconditions
-                    | {Atom(MOVED, (box,)) for action, box in obstructions if action == ground.action},
-                    add=ground.add | {Atom(MOVED, (box,)) for box in boxes if Atom(IN_HAND, (box,)) in ground.delete},
+                    each,
+                    preconditions=each.preconditions
+                    | {Atom(MOVED, (box,)) for action, box in obstructions if action == each.action},
+                    add=each.add | {Atom(MOVED, (box,)) for box in boxes if Atom(IN_HAND, (box,)) in each.delete},
                 )
-                for ground in in_order
+                for each in in_order
             ),
         )
 
     @cached_property
     def _by_name(self) -> dict[Action, GroundAction]:
-        return {ground.action: ground for ground in self.actions}
+        return {each.action: each for each in self.actions}
+
+    @cached_property
+    def by_rarest(self) -> dict[Atom | None, list[int]]:
+        """Numbers of the actions by the precondition that they share with the fewest others; None if they have none."""
+        shared_by = Counter(atom for each in self.actions for atom in each.preconditions)
+        found: dict[Atom | None, list[int]] = {}
+        for number, each in enumerate(self.actions):
+            rarest = min(each.preconditions, key=lambda atom: (shared_by[atom], atom), default=None)
+            found.setdefault(rarest, []).append(number)
+        return found
+
+
+def _typed_objects(boxes: Sequence[str], supports: Sequence[str]) -> dict[str, str]:
+    """Types of the objects by name; every name is new to the planning domain."""
+    domain = boxes_domain()
+    taken = {*domain.types, *domain.predicates, *(operator.name for operator in domain.operators)}
+    types: dict[str, str] = {}
+    for kind, names in (("box", boxes), ("support", supports)):
+        for name in names:
+            if name in taken or name in types:
+                why = "that of another object or a word of the planning domain"
+                raise IctampError(f'The name "{name}" of a {kind} is {why}: choose another one.')
+            types[name] = kind
+    return types
 
 
 def _check_place(box: str, initial: State) -> None:

@@ -2,15 +2,12 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-import pyparsing
-
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import LYING, ON, tipped_boxes
+from ictamp_drake.symbolic.expressions import Expression, Group, read, shown
 
 _FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...), with lying for on if BOX is tipped"
-_WORD = pyparsing.Regex(r"[^\s()]+")
-_FORMULA = pyparsing.nested_expr("(", ")", content=_WORD, ignore_expr=None)
 
 
 def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: str = "goal") -> frozenset[Atom]:
@@ -20,7 +17,7 @@ def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: 
         IctampError: syntax, an unknown predicate or object, a wrong number of objects, or atoms that cannot hold
             together; the sentence begins with `where`, e.g. "scene.yaml: goal".
     """
-    goal = frozenset(_atom(literal, boxes, supports, where) for literal in _literals(" ".join(text.split()), where))
+    goal = frozenset(_atom(literal, boxes, supports, where) for literal in _literals(text, where))
     for contradiction in _contradictions(goal, boxes):
         raise IctampError(f"{where}: {contradiction}.")
     return goal
@@ -42,23 +39,23 @@ def check_goal(goal: frozenset[Atom], initial: State, where: str = "goal") -> No
             raise IctampError(f"{where}: {_pddl(atom)} cannot be reached, {why}.")
 
 
-def _literals(text: str, where: str) -> list[object]:
+def _literals(text: str, where: str) -> Sequence[Expression]:
     try:
-        (formula,) = _FORMULA.parse_string(text, parse_all=True).as_list()
-    except pyparsing.ParseException as error:
-        problem = f"{error.msg} at character {error.col}"
-        raise IctampError(f'{where}: cannot read "{text}", {problem}; {_FORM}.') from error
-    literals = formula[1:] if formula[:1] == ["and"] else [formula]
+        formula = read(text)
+    except IctampError as error:
+        raise IctampError(f'{where}: cannot read "{shown(text)}", {error}; {_FORM}.') from error
+    literals = formula.items[1:] if formula.items[:1] == ("and",) else (formula,)
     if not literals:
         raise IctampError(f"{where}: (and) is empty; {_FORM}.")
     return literals
 
 
-def _atom(literal: object, boxes: Sequence[str], supports: Sequence[str], where: str) -> Atom:
-    written = _written(literal)
-    if not isinstance(literal, list) or not all(isinstance(word, str) for word in literal):
+def _atom(literal: Expression, boxes: Sequence[str], supports: Sequence[str], where: str) -> Atom:
+    written = shown(literal)
+    words = [word for word in literal.items if isinstance(word, str)] if isinstance(literal, Group) else []
+    if not isinstance(literal, Group) or len(words) < len(literal.items):
         raise IctampError(f"{where}: {written} is not an atom; {_FORM}.")
-    predicate, *names = literal or [""]
+    predicate, *names = words or [""]
     if predicate not in (ON, LYING):
         raise IctampError(f'{where}: predicate "{predicate}" in {written} is neither "on" nor "lying"; {_FORM}.')
     if len(names) != 2:
@@ -109,7 +106,3 @@ def _pddl(atom: Atom) -> str:
 
 def _text(atoms: Iterable[Atom]) -> str:
     return " ".join(_pddl(atom) for atom in sorted(atoms))
-
-
-def _written(literal: object) -> str:
-    return f"({' '.join(map(_written, literal))})" if isinstance(literal, list) else str(literal)

@@ -3,11 +3,13 @@
 import math
 from collections import deque
 from collections.abc import Collection, Iterator
+from functools import cache
 from typing import Protocol
 
 from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import MOVED, beneath, held_box, supporters
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.masks import Masks
 
 
 class Guide(Protocol):
@@ -32,44 +34,50 @@ class BreadthFirstDistance:
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
-        self._domain = domain
-        self._goal = goal
-        self._depth = {initial: 0}
-        self._remaining: dict[State, float] = {}
-        self._predecessors: dict[State, list[State]] = {initial: []}
-        self._frontier: deque[State] = deque()
-        self._reach(initial)
+        self._masks = Masks(domain, goal)
+        self._goal = self._masks.of(goal)
+        self._mask_of = cache(self._masks.of)
+        start = self._mask_of(initial)
+        self._depth = {start: 0}
+        self._remaining: dict[int, int] = {}
+        self._predecessors: dict[int, list[int]] = {start: []}
+        self._frontier: deque[int] = deque()
+        self._reach(start)
 
     @property
     def horizon(self) -> float:
         return self._depth[self._frontier[0]] if self._frontier else math.inf
 
     def remaining(self, state: State) -> float:
-        return self._remaining.get(state, math.inf)
+        return self._remaining.get(self._mask_of(state), math.inf)
 
     def grow(self) -> None:
-        state = self._frontier.popleft()
-        for _, successor in self._domain.successors(state):
-            self._predecessors.setdefault(successor, []).append(state)
-            if successor not in self._depth:
-                self._depth[successor] = self._depth[state] + 1
+        mask = self._frontier.popleft()
+        deeper = self._depth[mask] + 1
+        for successor in self._masks.successors(mask):
+            if successor in self._depth:
+                self._predecessors[successor].append(mask)
+            else:
+                self._predecessors[successor] = [mask]
+                self._depth[successor] = deeper
                 self._reach(successor)
-            self._shorten(state, self.remaining(successor) + 1)
+            if successor in self._remaining:
+                self._shorten(mask, self._remaining[successor] + 1)
 
-    def _reach(self, state: State) -> None:
-        if self._goal <= state:
-            self._remaining[state] = 0
+    def _reach(self, mask: int) -> None:
+        if mask & self._goal == self._goal:
+            self._remaining[mask] = 0
         else:
-            self._frontier.append(state)
+            self._frontier.append(mask)
 
-    def _shorten(self, state: State, distance: float) -> None:
+    def _shorten(self, mask: int, distance: int) -> None:
         """Lower the distance of the state, and with it those of the states before it."""
-        pending = deque([(state, distance)])
+        pending = deque([(mask, distance)])
         while pending:
-            state, distance = pending.popleft()
-            if distance < self.remaining(state):
-                self._remaining[state] = distance
-                pending.extend((before, distance + 1) for before in self._predecessors[state])
+            mask, distance = pending.popleft()
+            if distance < self._remaining.get(mask, math.inf):
+                self._remaining[mask] = distance
+                pending.extend((before, distance + 1) for before in self._predecessors[mask])
 
 
 class MoveCount:

@@ -1,73 +1,277 @@
-"""The one door to unified-planning: reads `domain.pddl`, fills in a scene's objects, grounds the actions."""
+"""Reads PDDL domains: typed STRIPS with negative, disjunctive and quantified conditions, and conditional effects.
 
-from collections.abc import Iterator, Sequence
+Case does not count, as always in PDDL. What is read is checked: every type, predicate, object and variable is declared,
+and every term is of the type that its predicate asks for.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from importlib.resources import as_file, files
-from typing import Any
-
-from unified_planning.engines import CompilationKind
-from unified_planning.engines.compilers import GrounderHelper, QuantifiersRemover
-from unified_planning.io import PDDLReader
+from importlib.resources import files
+from typing import NoReturn
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Action, Atom, State
+from ictamp_drake.core.types import Atom
+from ictamp_drake.symbolic.expressions import Expression, Group, read, shown
+from ictamp_drake.symbolic.formulas import TRUE, And, Equal, Exists, Formula, Not, Or, Variable, negation
+from ictamp_drake.symbolic.operators import OBJECT, Effect, Operator, PddlDomain, lineage
 
-Expression = Any
-"""A formula of unified-planning, which ships no types."""
+REQUIREMENTS = (
+    ":strips",
+    ":typing",
+    ":equality",
+    ":negative-preconditions",
+    ":disjunctive-preconditions",
+    ":universal-preconditions",
+    ":existential-preconditions",
+    ":quantified-preconditions",
+    ":conditional-effects",
+    ":adl",
+)
+"""What a domain may require."""
 
-GroundEffects = tuple[frozenset[Atom], frozenset[Atom], frozenset[Atom]]
-"""Preconditions, added atoms, deleted atoms."""
+_SECTIONS = (":requirements", ":types", ":constants", ":predicates", ":action")
+_PARTS = {
+    ":parameters": ":parameters (?VARIABLE - TYPE ...)",
+    ":precondition": ":precondition CONDITION",
+    ":effect": ":effect EFFECT",
+}
+"""What follows the name of an action, each at most once."""
 
+_FORMS = {
+    "and": "(and PART ...)",
+    "or": "(or PART ...) in a condition",
+    "not": "(not PART) in a condition or (not ATOM) in an effect",
+    "imply": "(imply CONDITION CONSEQUENCE) in a condition",
+    "when": "(when CONDITION EFFECT) in an effect",
+    "forall": "(forall (?VARIABLE - TYPE ...) PART)",
+    "exists": "(exists (?VARIABLE - TYPE ...) PART) in a condition",
+    "=": "(= TERM TERM) in a condition",
+}
+"""How the words that are no predicates are used."""
 
-def planning_problem(boxes: Sequence[str], supports: Sequence[str], initial: State, goal: frozenset[Atom]) -> Any:
-    """The problem as unified-planning's `Problem`, for its validator, its writers and other planners.
-
-    Raises:
-        IctampError: two objects have one name, or an object the name of a type, predicate or action.
-    """
-    problem = _without_objects().clone()
-    for type_name, names in (("box", boxes), ("support", supports)):
-        for name in names:
-            if problem.has_name(name):
-                taken = "that of another object or a word of the planning domain"
-                raise IctampError(f'The name "{name}" of a {type_name} is {taken}: choose another one.')
-            problem.add_object(name, problem.user_type(type_name))
-    for atom in sorted(initial):
-        problem.set_initial_value(_fluent(problem, atom), True)
-    for atom in sorted(goal):
-        problem.add_goal(_fluent(problem, atom))
-    return problem
-
-
-def ground(problem: Any) -> Iterator[tuple[Action, GroundEffects]]:
-    """The actions that can ever be applied from the problem's initial state, as plain STRIPS.
-
-    Who is upright and who is tipped is settled here, so neither occurs in the result.
-    """
-    lifted = QuantifiersRemover().compile(problem, CompilationKind.QUANTIFIERS_REMOVING).problem
-    for action, arguments, grounded in GrounderHelper(lifted).get_grounded_actions():
-        if grounded is not None:
-            name = Action(action.name, tuple(str(argument) for argument in arguments))
-            yield name, _strips(grounded.preconditions, grounded.effects)
+_Scope = Mapping[str, str]
+"""Variables that may be used, with their types."""
 
 
 @cache
-def _without_objects() -> Any:
-    with as_file(files("ictamp_drake.symbolic") / "domain.pddl") as path:
-        return PDDLReader().parse_problem(str(path))
+def boxes_domain() -> PddlDomain:
+    """The domain of `domain.pddl`."""
+    return read_domain((files("ictamp_drake.symbolic") / "domain.pddl").read_text(encoding="utf-8"), "domain.pddl")
 
 
-def _fluent(problem: Any, atom: Atom) -> Expression:
-    return problem.fluent(atom.predicate)(*(problem.object(name) for name in atom.args))
+def read_domain(text: str, where: str) -> PddlDomain:
+    """The domain that a text describes.
+
+    Args:
+        text: (define (domain ...) ...).
+        where: what errors begin with, such as the name of the file.
+
+    Raises:
+        IctampError: the line, the expression in it and what was expected.
+    """
+    try:
+        return _Reader().domain(read(text.lower()))
+    except IctampError as error:
+        raise IctampError(f"{where}: {error}.") from error
 
 
-def _atom(expression: Expression) -> Atom:
-    return Atom(expression.fluent().name, tuple(argument.object().name for argument in expression.args))
+class _Reader:
+    """Reads one domain, and knows what has been declared so far."""
+
+    def __init__(self) -> None:
+        self._types: dict[str, str] = {}
+        self._constants: dict[str, str] = {}
+        self._predicates: dict[str, tuple[str, ...]] = {}
+
+    def domain(self, root: Group) -> PddlDomain:
+        match root.items:
+            case ("define", Group(("domain", str())), *sections):
+                pass
+            case _:
+                _refuse(root, "(define (domain NAME) ...)")
+        by_key: dict[str, list[Group]] = {key: [] for key in _SECTIONS}
+        for section in sections:
+            match section:
+                case Group((str(key), *_)) if key in by_key:
+                    by_key[key].append(section)
+                case _:
+                    _refuse(section, f"a section that begins with one of {', '.join(_SECTIONS)}", root)
+        for section in by_key[":requirements"]:
+            _check_requirements(section)
+        for section in by_key[":types"]:
+            self._declare_types(section)
+        for section in by_key[":constants"]:
+            self._constants |= self._typed(section, 1)
+        for section in by_key[":predicates"]:
+            for declaration in section.items[1:]:
+                self._declare_predicate(declaration, section)
+        operators: dict[str, Operator] = {}
+        for section in by_key[":action"]:
+            operator = self._operator(section)
+            if operator.name in operators:
+                _refuse(section, f"another name than {operator.name}, which an action has already")
+            operators[operator.name] = operator
+        return PddlDomain(self._types, self._constants, self._predicates, tuple(operators.values()))
+
+    def _declare_types(self, section: Group) -> None:
+        parents = dict(_declared(section, 1))
+        known = {OBJECT, *self._types}
+        parents |= {parent: OBJECT for parent in parents.values() if parent not in known.union(parents)}
+        for name in parents:
+            kind, walked = name, set[str]()
+            while kind not in known:
+                if kind in walked:
+                    _refuse(section, f"types that are not kinds of each other in a circle, as is {kind}")
+                walked.add(kind)
+                kind = parents[kind]
+            known |= walked
+        self._types |= {name: parent for name, parent in parents.items() if name != OBJECT}
+
+    def _declare_predicate(self, declaration: Expression, section: Group) -> None:
+        match declaration:
+            case Group((str(name), *_)) if name not in {*_FORMS, *self._predicates}:
+                self._predicates[name] = tuple(self._typed(declaration, 1, variables=True).values())
+            case _:
+                _refuse(declaration, "(PREDICATE ?VARIABLE - TYPE ...) with a name of its own", section)
+
+    def _operator(self, section: Group) -> Operator:
+        match section.items:
+            case (_, str(name), *rest) if set(rest[::2]) <= _PARTS.keys() and len(set(rest[::2])) * 2 == len(rest):
+                parts = dict(zip(rest[::2], rest[1::2], strict=True))
+            case _:
+                _refuse(section, f"(:action NAME {' '.join(_PARTS.values())})")
+        parameters = _group(parts.get(":parameters", Group((), section.line)), "parameters", section)
+        scope = self._typed(parameters, 0, variables=True)
+        precondition, effect = parts.get(":precondition"), parts.get(":effect")
+        return Operator(
+            name,
+            tuple(Variable(*variable) for variable in scope.items()),
+            TRUE if precondition is None else self._formula(precondition, scope, section),
+            () if effect is None else tuple(self._effects(effect, scope, (), TRUE, section)),
+        )
+
+    def _formula(self, expression: Expression, scope: _Scope, around: Group) -> Formula:
+        def read_all(parts: Sequence[Expression]) -> tuple[Formula, ...]:
+            return tuple(self._formula(part, scope, group) for part in parts)
+
+        group = _group(expression, "a formula", around)
+        match group.items or ("and",):
+            case ("and" | "or" as connective, *parts):
+                return (And if connective == "and" else Or)(read_all(parts))
+            case ("not", part):
+                return negation(*read_all([part]))
+            case ("imply", condition, consequence):
+                return Or((negation(*read_all([condition])), *read_all([consequence])))
+            case ("forall" | "exists" as quantifier, Group() as declared, part):
+                variables, wider = self._quantified(declared, scope)
+                body = self._formula(part, wider, group)
+                return Exists(variables, body) if quantifier == "exists" else Not(Exists(variables, negation(body)))
+            case ("=", str(left), str(right)):
+                for term in (left, right):
+                    self._type_of(term, scope, group)
+                return Equal((left, right))
+        return self._atom(group, scope)
+
+    def _effects(
+        self, expression: Expression, scope: _Scope, variables: tuple[Variable, ...], condition: Formula, around: Group
+    ) -> Iterator[Effect]:
+        group = _group(expression, "an effect", around)
+        match group.items:
+            case () | ("and",):
+                pass
+            case ("and", *parts):
+                for part in parts:
+                    yield from self._effects(part, scope, variables, condition, group)
+            case ("when", when, effect):
+                more = self._formula(when, scope, group)
+                both = more if condition is TRUE else And((condition, more))
+                yield from self._effects(effect, scope, variables, both, group)
+            case ("forall", Group() as declared, effect):
+                quantified, wider = self._quantified(declared, scope)
+                yield from self._effects(effect, wider, (*variables, *quantified), condition, group)
+            case ("not", Group() as atom):
+                yield Effect(variables, condition, self._atom(atom, scope), adds=False)
+            case _:
+                yield Effect(variables, condition, self._atom(group, scope), adds=True)
+
+    def _quantified(self, declared: Group, scope: _Scope) -> tuple[tuple[Variable, ...], _Scope]:
+        variables = self._typed(declared, 0, variables=True)
+        for name in variables:
+            if name in scope:
+                _refuse(declared, f"another name than {name}, which is in use already")
+        return tuple(Variable(*variable) for variable in variables.items()), {**scope, **variables}
+
+    def _atom(self, group: Group, scope: _Scope) -> Atom:
+        match group.items:
+            case (str(predicate), *terms) if predicate in self._predicates:
+                types = self._predicates[predicate]
+            case (str(word), *_) if word in _FORMS:
+                _refuse(group, _FORMS[word])
+            case _:
+                _refuse(group, f"one of the predicates {_listed(self._predicates)}")
+        if len(terms) != len(types):
+            _refuse(group, f"({' '.join((predicate, *map(str.upper, types)))})")
+        for term, wanted in zip(terms, types, strict=True):
+            kind = self._type_of(term, scope, group)
+            if wanted not in lineage(kind, self._types):
+                _refuse(group, f"a {wanted} in the place of {term}, which is a {kind}")
+        return Atom(predicate, tuple(map(str, terms)))
+
+    def _type_of(self, term: Expression, scope: _Scope, around: Group) -> str:
+        kind = scope.get(term, self._constants.get(term)) if isinstance(term, str) else None
+        if kind is None:
+            _refuse(
+                term,
+                f"one of {_listed((*scope, *self._constants)) or 'the parameters, of which there are none'}",
+                around,
+            )
+        return kind
+
+    def _typed(self, group: Group, start: int, variables: bool = False) -> dict[str, str]:
+        """The names of a typed list with their types; variables, and they alone, begin with ?."""
+        found: dict[str, str] = {}
+        for name, kind in _declared(group, start):
+            if kind != OBJECT and kind not in self._types:
+                _refuse(kind, f"one of the types {_listed((OBJECT, *self._types))}", group)
+            if name in found or name.startswith("?") != variables:
+                _refuse(name, f"a name {'with' if variables else 'without'} ? in front that is not there yet", group)
+            found[name] = kind
+        return found
 
 
-def _strips(preconditions: Sequence[Expression], effects: Sequence[Any]) -> GroundEffects:
-    return (
-        frozenset(_atom(precondition) for precondition in preconditions),
-        frozenset(_atom(effect.fluent) for effect in effects if effect.value.is_true()),
-        frozenset(_atom(effect.fluent) for effect in effects if effect.value.is_false()),
-    )
+def _declared(group: Group, start: int) -> Iterator[tuple[str, str]]:
+    """The pairs of a typed list such as (a b - box c); what has no type is an object."""
+    names: list[str] = []
+    words = iter(group.items[start:])
+    for word in words:
+        kind = next(words, "") if word == "-" else None
+        if not isinstance(word, str) or isinstance(kind, Group) or kind == "":
+            _refuse(group, "names, with - TYPE behind those of one type")
+        if kind is None:
+            names.append(word)
+        else:
+            yield from ((name, kind) for name in names)
+            names.clear()
+    yield from ((name, OBJECT) for name in names)
+
+
+def _listed(names: Iterable[str]) -> str:
+    return shown(", ".join(names))
+
+
+def _check_requirements(section: Group) -> None:
+    for word in section.items[1:]:
+        if word not in REQUIREMENTS:
+            _refuse(word, f"requirements among {', '.join(REQUIREMENTS)}", section)
+
+
+def _group(expression: Expression, what: str, around: Group) -> Group:
+    if not isinstance(expression, Group):
+        _refuse(expression, f"{what} in brackets", around)
+    return expression
+
+
+def _refuse(expression: Expression, expected: str, around: Group | None = None) -> NoReturn:
+    line = expression.line if isinstance(expression, Group) else around.line if around else 1
+    inside = f' in "{shown(around)}"' if around and isinstance(expression, str) else ""
+    raise IctampError(f'line {line}: expected {expected}, not "{shown(expression)}"{inside}')

@@ -20,7 +20,7 @@ from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount,
 
 @dataclass(frozen=True)
 class BreadthFirst:
-    """Plans in order of length, the first after about as many nodes as breadth-first search takes (the default).
+    """Plans in order of length, the first after about as many nodes as breadth-first search takes.
 
     Attributes:
         patience: states that breadth-first search may expand. With many objects that is not enough, and the moves that

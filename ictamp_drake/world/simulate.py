@@ -92,14 +92,14 @@ class Outcome:
         stopped_after: label of the segment after which the watcher ended it, None when it ran to the end.
         motion: what was executed. Unless the watcher ended it, the arm stands still at its end until all is at rest and
             a whole number of time steps is over.
-        recording: states on the way, none but the first when they were not to be kept.
+        recording: states on the way, none but the first when they were not to be kept; None when nothing was simulated.
     """
 
     c: Configuration
     settled: bool
     stopped_after: str | None
     motion: Motion
-    recording: Recording
+    recording: Recording | None
 
 
 class Frame(NamedTuple):

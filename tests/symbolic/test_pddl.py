@@ -1,23 +1,183 @@
-"""unified-planning judges our plans by its own semantics of the same domain file."""
+"""The reader of PDDL: what it makes of a domain, what it refuses, and that unified-planning reads the same."""
+
+from functools import cache
+from importlib.resources import files
 
 import pytest
 from hypothesis import given, settings
 from unified_planning.engines import SequentialPlanValidator
 from unified_planning.plans import ActionInstance, SequentialPlan
 
-from ictamp_drake.core.types import Action
-from ictamp_drake.symbolic.pddl import planning_problem
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import Action, Atom
+from ictamp_drake.symbolic.expressions import MAX_DEPTH
+from ictamp_drake.symbolic.formulas import TRUE, And, Equal, Exists, Not, Or, Variable
+from ictamp_drake.symbolic.operators import Effect, Operator
+from ictamp_drake.symbolic.pddl import boxes_domain, read_domain
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
+from tests.symbolic import theirs
 from tests.symbolic.towers import LEVELS, Problem, problems
+
+HEAD = """(define (domain toy)
+  (:types box tray - thing thing place)
+  (:constants home - place)
+  (:predicates (at ?t - thing ?p - place) (open ?b - box) (dark))
+"""
+
+
+def domain(body: str) -> str:
+    return f"{HEAD}  {body})"
+
+
+def read_action(text: str) -> Operator:
+    (operator,) = read_domain(domain(f"(:action act {text})"), "toy.pddl").operators
+    return operator
+
+
+def test_declarations_are_read() -> None:
+    found = read_domain(domain("(:action go :parameters (?t - thing ?p - place) :effect (at ?t ?p))"), "toy.pddl")
+    assert found.types == {"box": "thing", "tray": "thing", "thing": "object", "place": "object"}
+    assert found.constants == {"home": "place"}
+    assert found.predicates == {"at": ("thing", "place"), "open": ("box",), "dark": ()}
+    effect = Effect((), TRUE, Atom("at", ("?t", "?p")), adds=True)
+    assert found.operators == (Operator("go", (Variable("?t", "thing"), Variable("?p", "place")), TRUE, (effect,)),)
+
+
+def test_case_does_not_count() -> None:
+    text = domain("(:action go :parameters (?t - thing) :precondition (at ?t home))")
+    assert read_domain(text.upper(), "toy.pddl") == read_domain(text, "toy.pddl")
+
+
+def test_what_is_left_out_asks_for_nothing_and_does_nothing() -> None:
+    assert read_action("") == Operator("act", (), TRUE, ())
+    assert read_action(":parameters () :precondition () :effect ()") == Operator("act", (), TRUE, ())
+    assert read_action(":precondition (and) :effect (and)") == Operator("act", (), TRUE, ())
+
+
+def test_imply_and_forall_are_written_with_or_and_exists() -> None:
+    dark, x = Atom("dark", ()), Variable("?x", "box")
+    is_open = Atom("open", ("?x",))
+    assert read_action(":precondition (imply (dark) (not (dark)))").precondition == Or((Not(dark), Not(dark)))
+    assert read_action(":precondition (exists (?x - box) (open ?x))").precondition == Exists((x,), is_open)
+    everything = read_action(":precondition (forall (?x - box) (imply (open ?x) (dark)))").precondition
+    assert everything == Not(Exists((x,), And((is_open, Not(dark)))))
+
+
+def test_effects_are_laid_flat() -> None:
+    operator = read_action("""
+        :parameters (?b - box)
+        :effect (and
+          (not (dark))
+          (forall (?x - box) (when (= ?x ?b) (when (dark) (and (open ?x) (not (at ?x home)))))))""")
+    x, both = (Variable("?x", "box"),), And((Equal(("?x", "?b")), Atom("dark", ())))
+    assert operator.effects == (
+        Effect((), TRUE, Atom("dark", ()), adds=False),
+        Effect(x, both, Atom("open", ("?x",)), adds=True),
+        Effect(x, both, Atom("at", ("?x", "home")), adds=False),
+    )
+
+
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        ("(:action", 'line 5: expected ")" for the "(" of line 5, not the end of the text.'),
+        (
+            "(:functions (cost))",
+            "line 5: expected a section that begins with one of :requirements, :types, :constants, ",
+        ),
+        ("word", "line 1: expected a section that begins with one of :requirements, "),
+        ("(:requirements :strips :durative-actions)", "line 5: expected requirements among :strips, "),
+        ("(:types a - b b - a)", "line 5: expected types that are not kinds of each other in a circle, as is a, not "),
+        ("(:types cup - (either box tray))", "line 5: expected names, with - TYPE behind those of one type, not "),
+        ("(:types cup -)", "line 5: expected names, with - TYPE behind those of one type, not "),
+        ("(:constants here - spot)", 'expected one of the types object, box, tray, thing, place, not "spot" in "(:con'),
+        ("(:constants ?x - box)", 'expected a name without ? in front that is not there yet, not "?x" in "(:constants'),
+        ("(:predicates (at ?a))", "line 5: expected (PREDICATE ?VARIABLE - TYPE ...) with a name of its own, not "),
+        ("(:predicates (when ?a))", "line 5: expected (PREDICATE ?VARIABLE - TYPE ...) with a name of its own, not "),
+        ("(:predicates by)", "line 5: expected (PREDICATE ?VARIABLE - TYPE ...) with a name of its own, not "),
+        ("(:action a)\n(:action a)", "line 6: expected another name than a, which an action has already, not "),
+        ("(:action a :parameters)", "line 5: expected (:action NAME :parameters (?VARIABLE - TYPE ...) :precondition "),
+        ("(:action a :effects (dark))", "line 5: expected (:action NAME :parameters (?VARIABLE - TYPE ...) :precond"),
+        ("(:action a :effect (dark) :effect (dark))", "line 5: expected (:action NAME :parameters (?VARIABLE - TYPE"),
+        ("(:action a :parameters ?x)", 'line 5: expected parameters in brackets, not "?x" in "(:action a :para'),
+        ("(:action a :parameters (x))", 'line 5: expected a name with ? in front that is not there yet, not "x" in "('),
+        ("(:action a :parameters (?x ?x))", 'expected a name with ? in front that is not there yet, not "?x" in "('),
+        ("(:action a :precondition dark)", 'line 5: expected a formula in brackets, not "dark" in "(:action a'),
+        ("(:action a :precondition (near home))", 'line 5: expected one of the predicates at, open, dark, not "(near'),
+        ("(:action a\n:precondition (open))", 'line 6: expected (open BOX), not "(open)".'),
+        ("(:action a :precondition (open ?x))", 'line 5: expected one of home, not "?x" in "(open ?x)".'),
+        (
+            "(:action a :parameters (?t - thing) :precondition (open ?t))",
+            'line 5: expected a box in the place of ?t, which is a thing, not "(open ?t)".',
+        ),
+        ("(:action a :precondition (not))", "line 5: expected (not PART) in a condition or (not ATOM) in an effect, "),
+        ("(:action a :precondition (imply (dark)))", "line 5: expected (imply CONDITION CONSEQUENCE) in a condition, "),
+        ("(:action a :precondition (forall ?x (dark)))", "line 5: expected (forall (?VARIABLE - TYPE ...) PART), not "),
+        ("(:action a :precondition (= home))", "line 5: expected (= TERM TERM) in a condition, not "),
+        ("(:action a :precondition (= home there))", 'line 5: expected one of home, not "there" in "(= home there)".'),
+        ("(:action a :precondition (when (dark) (dark)))", "line 5: expected (when CONDITION EFFECT) in an effect, "),
+        ("(:action a :effect (or (dark) (dark)))", "line 5: expected (or PART ...) in a condition, not "),
+        ("(:action a :effect (not (and (dark))))", "line 5: expected (and PART ...), not "),
+        (
+            "(:action a :parameters (?b - box) :precondition (exists (?b - box) (open ?b)))",
+            'line 5: expected another name than ?b, which is in use already, not "(?b - box)".',
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_sentence(body: str, sentence: str) -> None:
+    with pytest.raises(IctampError) as caught:
+        read_domain(domain(body) if body != "(:action" else f"{HEAD}(:action", "toy.pddl")
+    message = str(caught.value)
+    assert message.startswith("toy.pddl: line ")
+    assert sentence in message
+    assert message.endswith(".")
+    assert "\n" not in message
+    assert len(message) < 400
+
+
+def test_what_is_no_domain_is_refused() -> None:
+    with pytest.raises(IctampError, match=r"^toy.pddl: line 1: expected \(define \(domain NAME\) ...\), not "):
+        read_domain("(define (problem toy))", "toy.pddl")
+
+
+@pytest.mark.parametrize("connective", ["and", "not", "imply (dark)", "exists (?x{} - box)"])
+def test_formulas_may_be_as_deep_as_brackets(connective: str) -> None:
+    depth = MAX_DEPTH - 3
+    opened = "".join(f"({connective.format(level)} " for level in range(depth))
+    assert read_action(f":precondition {opened}(dark){')' * depth}").name == "act"
+    with pytest.raises(IctampError, match="nested at most"):
+        read_action(f":precondition {opened}(and (dark)){')' * depth}")
+
+
+def test_a_long_chain_of_types_is_read() -> None:
+    chain = " ".join(f"t{number} - t{number + 1}" for number in range(5000))
+    assert len(read_domain(f"(define (domain chain) (:types {chain}))", "chain.pddl").types) == 5001
+
+
+@cache
+def text() -> str:
+    return (files("ictamp_drake.symbolic") / "domain.pddl").read_text()
+
+
+def test_the_domain_of_boxes_reads_as_it_does_elsewhere() -> None:
+    other = theirs.problem(text(), {}, frozenset())
+    assert [fluent.name for fluent in other.fluents] == list(boxes_domain().predicates)
+    assert {kind.name: kind.father.name if kind.father else "object" for kind in other.user_types} == (
+        boxes_domain().types
+    )
+    for action, operator in zip(other.actions, boxes_domain().operators, strict=True):
+        assert action.name == operator.name
+        assert [(f"?{each.name}", each.type.name) for each in action.parameters] == list(operator.parameters)
 
 
 def is_valid(problem: Problem, actions: tuple[Action, ...]) -> bool:
-    theirs = planning_problem(problem.boxes, problem.supports, problem.initial, problem.goal)
+    objects = dict.fromkeys(problem.boxes, "box") | dict.fromkeys(problem.supports, "support")
+    other = theirs.problem(text(), objects, problem.initial, problem.goal)
     steps = [
-        ActionInstance(theirs.action(name), tuple(map(theirs.environment.expression_manager.ObjectExp, objects)))
-        for name, objects in ((name, map(theirs.object, args)) for name, args in actions)
+        ActionInstance(other.action(name), tuple(map(other.environment.expression_manager.ObjectExp, given)))
+        for name, given in ((name, map(other.object, args)) for name, args in actions)
     ]
-    return bool(SequentialPlanValidator().validate(theirs, SequentialPlan(steps)))
+    return bool(SequentialPlanValidator().validate(other, SequentialPlan(steps)))
 
 
 @pytest.mark.parametrize("config", [BreadthFirst(), BestFirst()], ids=["breadth_first", "best_first"])
@@ -38,11 +198,3 @@ def test_the_validator_agrees_on_scenes_with_tipped_boxes(problem: Problem) -> N
     plan = BestFirst().create(problem.domain, problem.initial, problem.goal).next_plan(1000)
     assert plan is not None
     assert is_valid(problem, plan.actions)
-
-
-def test_the_problem_holds_objects_start_and_goal() -> None:
-    problem = LEVELS["easy"]
-    theirs = planning_problem(problem.boxes, problem.supports, problem.initial, problem.goal)
-    assert [o.name for o in theirs.all_objects] == [*problem.boxes, *problem.supports]
-    assert sum(value.is_true() for value in theirs.initial_values.values()) == len(problem.initial)
-    assert sorted(map(str, theirs.goals)) == ["on(cyan, rack)", "on(yellow, cyan)"]

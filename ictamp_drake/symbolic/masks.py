@@ -1,0 +1,53 @@
+"""A ground domain on integers, for a search that meets tens of thousands of states."""
+
+from collections.abc import Iterator
+
+from ictamp_drake.core.types import Atom, State
+from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.formulas import leaves
+from ictamp_drake.symbolic.grounding import GroundAction
+
+
+class Masks:
+    """States as integers with a bit for each atom that an action or the goal speaks of; all others never change."""
+
+    def __init__(self, domain: Domain, goal: frozenset[Atom]) -> None:
+        self._actions = domain.actions
+        self._bits = {atom: 1 << number for number, atom in enumerate(sorted(goal.union(*map(_atoms, self._actions))))}
+        self._masks = [
+            (self.of(each.preconditions), self.of(each.add), ~self.of(each.delete)) for each in self._actions
+        ]
+        self._always = domain.by_rarest.get(None, [])
+        self._by_bit = {self._bits[atom]: numbers for atom, numbers in domain.by_rarest.items() if atom is not None}
+        self._rarest = sum(self._by_bit)
+
+    def of(self, state: State) -> int:
+        """The integer of a state, or of any other set of atoms."""
+        return sum([self._bits.get(atom, 0) for atom in state])
+
+    def successors(self, mask: int) -> Iterator[int]:
+        """The states that the applicable actions promise, in the order of the actions."""
+        numbers, waiting = list(self._always), mask & self._rarest
+        while waiting:
+            bit = waiting & -waiting
+            numbers += self._by_bit[bit]
+            waiting ^= bit
+        numbers.sort()
+        for number in numbers:
+            preconditions, add, kept = self._masks[number]
+            if mask & preconditions == preconditions:
+                action = self._actions[number]
+                if action.is_plain:
+                    yield mask & kept | add
+                elif action.applies(state := self._state(mask)):
+                    yield self.of(action.applied(state))
+
+    def _state(self, mask: int) -> State:
+        return frozenset(atom for atom, bit in self._bits.items() if mask & bit)
+
+
+def _atoms(action: GroundAction) -> set[Atom]:
+    formulas = [action.further, *(effect.condition for effect in action.conditional)]
+    conditions = {leaf for formula in formulas for leaf in leaves(formula) if isinstance(leaf, Atom)}
+    effects = (effect.add | effect.delete for effect in action.conditional)
+    return conditions.union(action.preconditions, action.add, action.delete, *effects)

@@ -1,0 +1,64 @@
+"""Expressions in brackets: what is read, where it stands, and what is refused."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.symbolic.expressions import MAX_CHARACTERS, MAX_DEPTH, Expression, Group, read, shown
+
+words = st.text(alphabet="abc?:-=_019", min_size=1, max_size=5)
+groups = st.recursive(
+    st.builds(Group, st.lists(words, max_size=3).map(tuple), st.just(1)),
+    lambda inner: st.builds(Group, st.lists(words | inner, max_size=4).map(tuple), st.just(1)),
+    max_leaves=20,
+)
+
+
+@given(groups)
+def test_what_is_written_is_read_back(group: Group) -> None:
+    assert read(str(group)) == group
+
+
+@given(groups, st.lists(st.sampled_from([" ", "\n", "\t", "; a comment\n"]), min_size=1, max_size=3).map("".join))
+def test_spaces_lines_and_comments_make_no_difference(group: Group, space: str) -> None:
+    def without_lines(expression: Expression) -> object:
+        return expression if isinstance(expression, str) else [without_lines(item) for item in expression.items]
+
+    spaced = str(group).replace(" ", space).replace("(", f"{space}({space}").replace(")", f"{space})")
+    assert without_lines(read(f"{spaced}{space}")) == without_lines(group)
+
+
+def test_a_group_knows_its_line() -> None:
+    group = read("; first\n(a\n (b c)\n\n (d))")
+    inner = [item for item in group.items if isinstance(item, Group)]
+    assert [group.line, *(item.line for item in inner)] == [2, 3, 5]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", 'line 1: expected "(", not the end of the text'),
+        ("; nothing\n; at all", 'line 1: expected "(", not the end of the text'),
+        ("\nword", 'line 2: expected "(", not "word"'),
+        (")", 'line 1: expected "(", not ")"'),
+        ("(a\n(b\n)", 'line 3: expected ")" for the "(" of line 1, not the end of the text'),
+        ("(a)\n(b)", 'line 2: expected the end of the text, not "("'),
+        ("(" * 1000, f"line 1: expected brackets to be nested at most {MAX_DEPTH} deep"),
+        ("(" + " a" * MAX_CHARACTERS, f"expected at most {MAX_CHARACTERS} characters, not {2 * MAX_CHARACTERS + 1}"),
+    ],
+)
+def test_what_is_no_expression_is_refused(text: str, sentence: str) -> None:
+    with pytest.raises(IctampError) as caught:
+        read(text)
+    assert str(caught.value) == sentence
+
+
+def test_the_deepest_nesting_is_read() -> None:
+    assert str(read("(" * MAX_DEPTH + ")" * MAX_DEPTH)) == "(" * MAX_DEPTH + ")" * MAX_DEPTH
+
+
+def test_a_message_quotes_no_more_than_a_line() -> None:
+    assert shown(read("(a\n (b c))")) == "(a (b c))"
+    assert len(shown(read(f"({' a' * 1000})"))) <= 80
+    assert len(shown("a" * 1000)) <= 80
