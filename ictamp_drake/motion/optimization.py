@@ -53,9 +53,9 @@ class TrajectoryConfig:
         iterations: of the solver; what it has then is used.
     """
 
-    velocity: float = 0.5
-    acceleration: float = 0.3
-    jerk: float = 0.05
+    velocity: float = 0.7
+    acceleration: float = 0.5
+    jerk: float = 0.1
     order: int = 5
     control_points: int = 14
     straightness: float = 0.1

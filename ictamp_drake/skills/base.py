@@ -1,19 +1,24 @@
 """What a skill is, and the pieces from which skills put their motions together."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.world.commands import gripper_time, stand_still
 from ictamp_drake.world.world import World
 
-OPEN = GripperCommand(GRIPPER_MAX_WIDTH)
-"""The hand as far open as it goes."""
+CLEARANCES = (0.01, 0.006, 0.003)
+"""Distances of each finger from the box while the hand comes down to it or leaves it [m].
+
+The first one bears a box that is 3 mm and 2 deg from where it was seen, the last one what the arm deviates by.
+"""
 TIP = 0.012
 """Distance of the finger tips below G [m]."""
 PAUSE = 0.1
@@ -40,6 +45,20 @@ class SkillConfig(Protocol):
 def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand, touches: Collection[str]) -> Segment:
     """The arm stands still at q, shape (7,) [rad], while the gripper goes from one command to the next."""
     return stand_still(label, gripper_time(before, after) + PAUSE, q, after, frozenset(touches))
+
+
+def openings(needed: float, clearances: Sequence[float]) -> tuple[GripperCommand, ...]:
+    """Commands that open the hand wider than needed by a clearance on each side, or as far as it goes; all in [m]."""
+    widths = (min(needed + 2 * clearance, GRIPPER_MAX_WIDTH) for clearance in clearances)
+    return tuple(GripperCommand(width) for width in dict.fromkeys(widths))
+
+
+def check_clearances(field: str, clearances: Sequence[float]) -> None:
+    """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
+    if not clearances:
+        raise IctampError(f"{field} is empty, but must have one number or more")
+    for clearance in clearances:
+        check_range(f"a number of {field}", clearance, 0, GRIPPER_MAX_WIDTH, " m")
 
 
 def at_end(

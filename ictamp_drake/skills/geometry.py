@@ -5,6 +5,7 @@ from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.world.matrices import grasps, level
+from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 R_DOWN = RotationMatrix.MakeXRotation(np.pi)
@@ -78,6 +79,13 @@ def grip_width(world: World, c: Configuration, box: str, yaw: float) -> float:
     """Side of the box along the fingers' direction [m], of the side nearest to it when the grasp is askew."""
     size = world.upright(c, box).size
     return float(size[1] if abs(np.cos(yaw)) >= abs(np.sin(yaw)) else size[0])
+
+
+def needed_opening(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> float:
+    """Distance of the fingers at which both just miss the box [m]; the hand at X_WG may be askew and off its middle."""
+    X_GO = X_WG.inverse() @ to_transform(c.poses[box])
+    half = float(np.abs(X_GO.rotation().matrix()[1]) @ world.sizes[box]) / 2
+    return 2 * (half + abs(float(X_GO.translation()[1])))
 
 
 def raised(X_WG: RigidTransform, rise: float) -> RigidTransform:

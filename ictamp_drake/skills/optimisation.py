@@ -4,8 +4,8 @@ k is a function of the joint positions q by forward kinematics, so the program's
 constraints and costs on k are constraints and costs on the pose of G. Random modes, aims and starts make it a sampler.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -15,18 +15,17 @@ from pydrake.solvers import SnoptSolver
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.panda_collision import PAD_THICKNESS
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.checks import check_fields, check_interval, check_vector
-from ictamp_drake.skills.base import TIP
+from ictamp_drake.skills.base import CLEARANCES, TIP
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
-OPEN_FINGERS = ([0.0, 0.052, 0.0], [0.0, -0.052, 0.0])
-"""Middle of each finger of the open hand in G [m]."""
-FINGER_RADIUS = 0.011
-"""Of a circle around a finger as seen from above [m]."""
+PAD_RADIUS = PAD_THICKNESS / 2
+"""Of the largest circle inside a pad as seen from above [m]."""
 UPRIGHT_ANGLE = 1e-3
 """Largest tilt of a box that is placed [rad]."""
 
@@ -44,6 +43,7 @@ class OptimisationConfig:
         turn: greatest deviation of yaw from the faces' directions [rad].
         height: least and greatest height of a placement above the top face [m].
         overhang: greatest distance of a box's centre from that of the box below [m].
+        play: distance of each finger from the box before it closes [m].
         clearance: distance kept from the neighbours' outlines [m].
         spots: random spots compared for a placement on a support; the one with most room is aimed at.
         room: distance from which on more room is worth nothing [m].
@@ -61,6 +61,7 @@ class OptimisationConfig:
     turn: float = 0.02
     height: tuple[float, float] = (0.001, 0.002)
     overhang: float = 0.004
+    play: float = CLEARANCES[0]
     clearance: float = 0.015
     spots: int = 12
     room: float = 0.08
@@ -81,6 +82,7 @@ class OptimisationConfig:
             ground=(0, 1),
             turn=(0, 3),
             overhang=(0, 1),
+            play=(0, GRIPPER_MAX_WIDTH),
             clearance=(0, 1),
             spots=(1, 1e6),
             room=(0, 10),
@@ -88,6 +90,12 @@ class OptimisationConfig:
             comfort=(0, 1e9),
             spread=(0, 10),
         )
+
+    @property
+    def tight(self) -> "OptimisationConfig":
+        """For grasps where there is hardly room for the fingers: in the middle, square, not deep."""
+        offset, depth = (self.grip_offset[0], 1e-4), (self.depth[0], self.depth[0] + 0.004)
+        return replace(self, grip_offset=offset, depth=depth, turn=1e-3, play=CLEARANCES[-1], clearance=0.0)
 
     def create(self, world: World, arm: ArmKinematics) -> "OptimisationSampler":
         """The sampler for one scene."""
@@ -106,9 +114,10 @@ class OptimisationSampler:
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
         """Any number of k, or why no program had a solution: the neighbours, or what holds without them, the arm."""
         around = self._neighbours(c, action)
-        while (k := self._draw(c, action, rng, around)) is not None:
-            yield k
-        alone = self._draw(c, action, rng, [])
+        for config in (self._config, self._config.tight) if action.name == "pick" else (self._config,):
+            while (k := self._draw(c, action, rng, around, config)) is not None:
+                yield k
+        alone = self._draw(c, action, rng, [], self._config)
         yield Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
 
     def _neighbours(self, c: Configuration, action: Action) -> list[Neighbour]:
@@ -121,11 +130,16 @@ class OptimisationSampler:
         return neighbours(self._world, c, {box}, lowest - TIP)
 
     def _draw(
-        self, c: Configuration, action: Action, rng: np.random.Generator, around: Sequence[Neighbour]
+        self,
+        c: Configuration,
+        action: Action,
+        rng: np.random.Generator,
+        around: Sequence[Neighbour],
+        config: OptimisationConfig,
     ) -> Parameter | None:
         box, other = action.args
         if action.name == "pick":
-            X_WG = self._solve(lambda: self._grasp(c, box, around, rng), rng)
+            X_WG = self._solve(lambda: self._grasp(c, box, around, rng, config), rng)
             return None if X_WG is None else grasp_parameter(self._world, c, box, X_WG)
         X_GB = held_bottom(self._world, c, box, self._arm.forward(c.q[:7]))
         X_WG = self._solve(lambda: self._placement(c, action, X_GB, around, rng), rng)
@@ -141,10 +155,15 @@ class OptimisationSampler:
         return None
 
     def _grasp(
-        self, c: Configuration, box: str, around: Sequence[Neighbour], rng: np.random.Generator
+        self,
+        c: Configuration,
+        box: str,
+        around: Sequence[Neighbour],
+        rng: np.random.Generator,
+        config: OptimisationConfig,
     ) -> "_Program | None":
         """Fingers along one of the box's faces, G near its middle, neither too high nor too deep."""
-        config, lying = self._config, self._world.upright(c, box)
+        lying = self._world.upright(c, box)
         quarters = [m for m in range(4) if lying.size[1 - m % 2] <= config.max_width]
         if not quarters:
             return None
@@ -154,12 +173,18 @@ class OptimisationSampler:
         )
         lower = np.array([-config.grip_offset[0], -config.grip_offset[1], heights[0]])
         upper = np.array([*config.grip_offset, heights[1]])
-        R_UM = RotationMatrix.MakeZRotation(rng.choice(quarters) * np.pi / 2)
+        quarter = rng.choice(quarters)
+        R_UM = RotationMatrix.MakeZRotation(quarter * np.pi / 2)
         program = _Program(self._arm, config, lying.X_WU @ RigidTransform(R_UM, np.zeros(3)))
         aim = rng.uniform(lower, upper)
         program.keep_inside(lower, upper, aim, np.zeros(3))
         program.align(R_DOWN, RotationMatrix())
-        program.keep_clear(OPEN_FINGERS, FINGER_RADIUS, around, (program.X_WA @ aim)[2])
+        height, width = float((program.X_WA @ aim)[2]), float(lying.size[1 - quarter % 2])
+        y = min(width / 2 + config.play, GRIPPER_MAX_WIDTH / 2) + PAD_RADIUS
+        pads = np.array([[0.0, y, 0.0], [0.0, -y, 0.0]])
+        program.keep_clear(pads, PAD_RADIUS + config.clearance / 2, around, height)
+        if config.clearance == 0:
+            program.demand_clear(pads, PAD_RADIUS, around)
         return program
 
     def _placement(
@@ -188,7 +213,7 @@ class OptimisationSampler:
             program.align(RotationMatrix.MakeZRotation(rng.integers(4) * np.pi / 2), X_GB.rotation())
         else:
             program.keep_level(X_GB.rotation())
-        program.keep_clear([X_GB.translation()], radius, around, X_WT.translation()[2])
+        program.keep_clear([X_GB.translation()], radius + config.clearance / 2, around, X_WT.translation()[2])
         return program
 
     def _free_spot(
@@ -221,6 +246,7 @@ class _Program:
         self._target = arm.plant.GetFrameByName("target")
         context = arm.plant.CreateDefaultContext()
         self._target.SetPoseInParentFrame(context, X_WA)
+        self._clear: Callable[[FloatArray], bool] = lambda _: True
         self._context = context  # the program refers to it, but does not keep it alive
         self._ik = InverseKinematics(arm.plant, context, with_joint_limits=False)
         self._ik.prog().AddBoundingBoxConstraint(arm.lower, arm.upper, self._ik.q())
@@ -241,18 +267,28 @@ class _Program:
         self._ik.AddAngleBetweenVectorsConstraint(self._grasp, up, self._target, [0, 0, 1], 0.0, UPRIGHT_ANGLE)
 
     def keep_clear(
-        self, points: Iterable[Sequence[float] | FloatArray], radius: float, around: Iterable[Neighbour], height: float
+        self, points: Iterable[FloatArray], radius: float, around: Iterable[Neighbour], height: float
     ) -> None:
-        """Keep discs around points of the hand, at a height in W [m], away from the neighbours."""
+        """Keep discs around points of the hand, at a height in W [m], out of the neighbours' largest circles."""
         for neighbour in around:
-            distance = neighbour.radius + radius + self._config.clearance / 2
+            distance = neighbour.radius + radius
             p_W = np.append(neighbour.X_WU.translation()[:2], height)
             for point in points:
                 self._ik.AddPointToPointDistanceConstraint(self._grasp, point, self._world, p_W, distance, np.inf)
+
+    def demand_clear(self, points: FloatArray, radius: float, around: Collection[Neighbour]) -> None:
+        """Take no solution for one unless discs around points of the hand, shape (m, 3), are out of all outlines."""
+
+        def clear(q: FloatArray) -> bool:
+            p_W = self._arm.forward(q).multiply(points.T).T
+            return all(bool(np.all(neighbour.distance(p_W) >= radius)) for neighbour in around)
+
+        self._clear = clear
 
     def solve(self, solver: SnoptSolver, rng: np.random.Generator) -> FloatArray | None:
         """Joint positions, shape (7,) [rad], or None when there are none from a random start."""
         spread = self._config.spread
         start = np.clip(self._comfort + rng.uniform(-spread, spread, 7), self._arm.lower, self._arm.upper)
         result = solver.Solve(self._ik.prog(), start)
-        return np.asarray(result.get_x_val()) if result.is_success() else None
+        q = np.asarray(result.get_x_val())
+        return q if result.is_success() and self._clear(q) else None

@@ -3,13 +3,17 @@
 from dataclasses import dataclass
 
 import numpy as np
+from pydrake.math import RigidTransform
 
-from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.scenes.checks import check_fields
-from ictamp_drake.skills.base import OPEN, TIP, at_end, hold, imagined
-from ictamp_drake.skills.geometry import grasp_pose, grip_width, gripped_squarely, raised
+from ictamp_drake.skills.base import CLEARANCES, TIP, at_end, check_clearances, hold, imagined, openings
+from ictamp_drake.skills.geometry import grasp_pose, grip_width, gripped_squarely, needed_opening, raised
+from ictamp_drake.world.commands import gripper_time
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.situations import LIFT
 from ictamp_drake.world.world import World
@@ -21,16 +25,19 @@ class PickConfig:
 
     Attributes:
         force: grip force of each finger [N].
+        clearances: room between box and fingers as the hand comes down [m]; the first that the neighbours leave.
         margin: height of the finger tips above the box before they are lowered [m].
         lift: rise of the hand with the box [m].
     """
 
     force: float = 30.0
+    clearances: tuple[float, ...] = CLEARANCES
     margin: float = 0.015
     lift: float = LIFT
 
     def __post_init__(self) -> None:
         check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), margin=(0, 1), lift=(1e-3, 1))
+        check_clearances("skills.pick.clearances", self.clearances)
 
     def create(self, world: World, planner: MotionPlanner) -> "Pick":
         """The skill in one scene."""
@@ -50,17 +57,12 @@ class Pick:
         planner, box = self._planner, action.args[0]
         X_WG = grasp_pose(self._world, c, box, k)
         grasp = GripperCommand(grip_width(self._world, c, box, k[3]), self._config.force)
-        above = self._world.upright(c, box).size[2] / 2 - k[2] + TIP + self._config.margin
-
-        planner.set_configuration(imagined(c, q=c.commanded, width=OPEN.width, held=None))
-        X_WG_above = raised(X_WG, above)
-        q_grasp = planner.posture(X_WG, c.commanded, towards=X_WG_above)
-        if isinstance(q_grasp, Refusal):
-            return q_grasp
-        back = planner.straight(q_grasp, X_WG_above)
-        if isinstance(back, Refusal):
-            return back
-        approach = planner.transfer(c.commanded, back.trajectory.end, rng)
+        way = self._way_up(c, box, X_WG, k)
+        if isinstance(way, Refusal):
+            return way
+        opening, back = way
+        q_grasp = back.start
+        approach = self._approach(c, opening, back.end, rng)
         if isinstance(approach, Refusal):
             return approach
         planner.set_configuration(imagined(c, q=q_grasp, width=grasp.width, held=box))
@@ -68,11 +70,49 @@ class Pick:
         if isinstance(lift, Refusal):
             return lift
         return (
-            approach.trajectory.segment("approach", OPEN, ()),
-            back.trajectory.reversed().segment("lower", OPEN, ()),
-            hold("grasp", q_grasp, OPEN, grasp, {box}),
+            *approach,
+            back.reversed().segment("lower", opening, ()),
+            hold("grasp", q_grasp, opening, grasp, {box}),
             lift.trajectory.segment("lift", grasp, {box}),
         )
+
+    def _way_up(
+        self, c: Configuration, box: str, X_WG: RigidTransform, k: Parameter
+    ) -> tuple[GripperCommand, Trajectory] | Refusal:
+        """The first opening for which the neighbours leave room, and the straight way up from the grasp with it."""
+        planner, config = self._planner, self._config
+        X_WG_above = raised(X_WG, self._world.upright(c, box).size[2] / 2 - k[2] + TIP + config.margin)
+        refusal = Refusal(Failure.GOAL_IN_COLLISION)
+        for opening in openings(needed_opening(self._world, c, box, X_WG), config.clearances):
+            planner.set_configuration(imagined(c, q=c.commanded, width=opening.width, held=None))
+            q_grasp = planner.posture(X_WG, c.commanded, towards=X_WG_above)
+            back = q_grasp if isinstance(q_grasp, Refusal) else planner.straight(q_grasp, X_WG_above)
+            if not isinstance(back, Refusal):
+                return opening, back.trajectory
+            refusal = back
+            if refusal.failure is Failure.NO_INVERSE_KINEMATICS:
+                break
+        return refusal
+
+    def _approach(
+        self, c: Configuration, opening: GripperCommand, q: FloatArray, rng: np.random.Generator
+    ) -> Motion | Refusal:
+        """The way from c to q, shape (7,) [rad], on which the hand goes over to its opening; before it, if need be."""
+        planner = self._planner
+        planner.set_configuration(imagined(c, q=c.commanded, width=max(opening.width, c.gripper.width), held=None))
+        way = planner.transfer(c.commanded, q, rng)
+        first = (
+            isinstance(way, Refusal) and way.failure is Failure.GOAL_IN_COLLISION and opening.width < c.gripper.width
+        )
+        if first:
+            planner.set_configuration(imagined(c, q=c.commanded, width=opening.width, held=None))
+            way = planner.transfer(c.commanded, q, rng)
+        if isinstance(way, Refusal):
+            return way
+        approach = way.trajectory.segment("approach", opening, ())
+        if first or approach.duration < gripper_time(c.gripper, opening):
+            return hold("adjust", c.commanded, c.gripper, opening, ()), approach
+        return (approach,)
 
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
         """The box in the lifted hand, in the middle of the fingers and square to them."""

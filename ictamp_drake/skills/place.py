@@ -1,15 +1,18 @@
 """ψ_place: transfer, lower, release, retreat."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
-from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.scenes.checks import check_fields
-from ictamp_drake.skills.base import OPEN, TIP, at_end, hold, imagined
-from ictamp_drake.skills.geometry import held_bottom, level_pose, placement_pose, raised, yaw_of
+from ictamp_drake.skills.base import CLEARANCES, TIP, at_end, check_clearances, hold, imagined, openings
+from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raised, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
@@ -19,15 +22,18 @@ class PlaceConfig:
     """Constants of a placement.
 
     Attributes:
+        clearances: room between box and fingers as the hand leaves [m]; the first that the neighbours leave.
         drop: height above its final place from which the box is lowered straight down [m].
         margin: height of the finger tips above the box after the retreat [m].
     """
 
+    clearances: tuple[float, ...] = CLEARANCES
     drop: float = 0.04
     margin: float = 0.015
 
     def __post_init__(self) -> None:
         check_fields(self, "skills.place", drop=(0, 1), margin=(0, 1))
+        check_clearances("skills.place.clearances", self.clearances)
 
     def create(self, world: World, planner: MotionPlanner) -> "Place":
         """The skill in one scene."""
@@ -58,19 +64,35 @@ class Place:
         back = planner.straight(q_place, raised(X_WG, self._config.drop))
         if isinstance(back, Refusal):
             return back
+        needed = needed_opening(self._world, c, box, X_WG0)
+        placed = imagined(c, q=q_place, width=needed, held=None, moved={box: to_pose(X_WO)})
+        way = self._way_up(placed, openings(needed, self._config.clearances), raised(X_WG, above))
+        if isinstance(way, Refusal):
+            return way
+        opening, retreat = way
+        planner.set_configuration(c)
         transfer = planner.transfer(c.commanded, back.trajectory.end, rng)
         if isinstance(transfer, Refusal):
             return transfer
-        planner.set_configuration(imagined(c, q=q_place, width=OPEN.width, held=None, moved={box: to_pose(X_WO)}))
-        retreat = planner.straight(q_place, raised(X_WG, above))
-        if isinstance(retreat, Refusal):
-            return retreat
         return (
             transfer.trajectory.segment("transfer", c.gripper, {box}),
             back.trajectory.reversed().segment("lower", c.gripper, {box, receptacle}),
-            hold("release", q_place, c.gripper, OPEN, {box, receptacle}),
-            retreat.trajectory.segment("retreat", OPEN, ()),
+            hold("release", q_place, c.gripper, opening, {box, receptacle}),
+            retreat.segment("retreat", opening, ()),
         )
+
+    def _way_up(
+        self, placed: Configuration, fitting: Sequence[GripperCommand], X_WG: RigidTransform
+    ) -> tuple[GripperCommand, Trajectory] | Refusal:
+        """The first opening for which the neighbours leave room, and the straight way with it to X_WG."""
+        refusal = Refusal(Failure.GOAL_IN_COLLISION)
+        for opening in fitting:
+            self._planner.set_configuration(imagined(placed, q=placed.q[:7], width=opening.width, held=None))
+            retreat = self._planner.straight(placed.q[:7], X_WG)
+            if not isinstance(retreat, Refusal):
+                return opening, retreat.trajectory
+            refusal = retreat
+        return refusal
 
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
         """The box level on the receptacle."""

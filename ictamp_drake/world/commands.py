@@ -1,6 +1,7 @@
 """Motions as trajectories of Drake: what the controller of arm and hand is told over time."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.math import BsplineBasis
@@ -17,6 +18,8 @@ from ictamp_drake.models.constants import MAX_FINGER_SPEED
 
 FORCE_RAMP = 0.05
 """Time in which the grip force is built up or released [s]."""
+_INSTANT = 1e-9
+"""Times that differ by less are the same but for rounding [s]."""
 
 
 def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
@@ -40,7 +43,7 @@ def desired_positions(
         q_arm: arm joint positions in force before, shape (7,) [rad].
         gripper: command in force before.
         segments: what follows, may be empty.
-        end: later than the end of the last segment.
+        end: later than the end of the last segment, and than the hand has obeyed.
     """
     arm: list[Trajectory] = []
     start = 0.0
@@ -72,6 +75,32 @@ def _arm_piece(segment: Segment, start: float) -> Trajectory:
     return BsplineTrajectory(BsplineBasis(segment.order, knots), segment.control_points.T)
 
 
+def obeyed_at(gripper: GripperCommand, segments: Sequence[Segment]) -> float:
+    """When the hand has obeyed the last command of a motion [s]; may be after the motion's end."""
+    return max((change.arrival for change in _changes(gripper, segments)), default=0.0)
+
+
+class _Change(NamedTuple):
+    """The hand goes from one command's goal to the next one's, from `start` to `arrival` [s]."""
+
+    start: float
+    arrival: float
+    before: GripperCommand
+    after: GripperCommand
+
+
+def _changes(gripper: GripperCommand, segments: Sequence[Segment]) -> Iterator[_Change]:
+    """What the hand does: a command is in force from its segment's start, or as soon as the one before is obeyed."""
+    start = arrival = 0.0
+    for segment in segments:
+        if segment.gripper != gripper:
+            begin = start if start > arrival + _INSTANT else arrival
+            arrival = begin + gripper_time(gripper, segment.gripper)
+            yield _Change(begin, arrival, gripper, segment.gripper)
+            gripper = segment.gripper
+        start += segment.duration
+
+
 def _gripper_knots(
     gripper: GripperCommand, segments: Sequence[Segment], end: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -80,19 +109,14 @@ def _gripper_knots(
     The hand grips when its fingers have arrived, and lets go before they move.
     """
     knots = {0.0: (gripper.width, gripper.force)}
-    start = 0.0
-    for segment in segments:
-        after = segment.gripper
-        if after != gripper:
-            arrival = start + gripper_time(gripper, after)
-            between = (after.width, gripper.force) if after.force > gripper.force else (gripper.width, after.force)
-            ramp = arrival - FORCE_RAMP if after.force > gripper.force else start + FORCE_RAMP
-            knots[start] = (gripper.width, gripper.force)
-            if start < ramp < arrival:
-                knots[ramp] = between
-            knots[arrival] = (after.width, after.force)
-            gripper = after
-        start += segment.duration
+    for start, arrival, before, after in _changes(gripper, segments):
+        between = (after.width, before.force) if after.force > before.force else (before.width, after.force)
+        ramp = arrival - FORCE_RAMP if after.force > before.force else start + FORCE_RAMP
+        knots[start] = (before.width, before.force)
+        if start < ramp < arrival:
+            knots[ramp] = between
+        knots[arrival] = (after.width, after.force)
+        gripper = after
     knots[end] = (gripper.width, gripper.force)
     times = np.array(sorted(knots))
     widths, forces = np.array([knots[time] for time in times]).T

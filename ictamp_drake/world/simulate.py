@@ -13,7 +13,7 @@ from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, M
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.checks import check_fields, check_vector
 from ictamp_drake.world.build import add_arm
-from ictamp_drake.world.commands import desired_positions, feedforward, stand_still
+from ictamp_drake.world.commands import desired_positions, feedforward, obeyed_at, stand_still
 from ictamp_drake.world.lookout import Lookout
 from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
 from ictamp_drake.world.poses import normalised
@@ -104,8 +104,8 @@ class Outcome:
         c: the last configuration.
         settled: whether everything came to rest in time.
         stopped_after: label of the segment after which the watcher ended it, None when it ran to the end.
-        motion: what was executed. Unless the watcher ended it, the arm stands still at its end until all is at rest and
-            a whole number of time steps is over.
+        motion: what was executed. Unless the watcher ended it, the arm stands still at its end until the hand has
+            obeyed, all is at rest and a whole number of time steps is over.
         recording: states on the way, none but the first when they were not to be kept; None when nothing was simulated.
     """
 
@@ -219,7 +219,7 @@ class Physics:
         tape.add(0, self._scene.x)
         self._looked = (self._scene.x, self._scene.x)
         self._tell(motion)
-        step, elapsed = 0, 0.0
+        step, elapsed, obeyed = 0, 0.0, config.steps(obeyed_at(self._command[1], motion))
         for segment in motion:
             elapsed += segment.duration
             end = config.steps(elapsed)
@@ -228,6 +228,8 @@ class Physics:
             if watch is not None and not watch(segment, self):
                 return Outcome(self.configuration(), False, segment.label, tuple(motion), tape.recording)
         touches = motion[-1].touches if motion else None
+        if step < obeyed:
+            step = self._simulate(touches if sleep else None, [*range(step, obeyed, period), obeyed], tape)
         if not motion or self._moving():
             end = step + config.steps(config.settle_time)
             looks = range(step, end + 1, config.steps(config.settle_check))
@@ -239,7 +241,7 @@ class Physics:
     def _tell(self, motion: Sequence[Segment]) -> None:
         """Give both plants the commands of a motion."""
         config, (q, gripper) = self.config, self._command
-        end = sum(segment.duration for segment in motion) + config.settle_time
+        end = max(sum(segment.duration for segment in motion), obeyed_at(gripper, motion)) + config.settle_time
         end += 2 * (config.settle_check + config.time_step)
         positions, efforts = desired_positions(q, gripper, motion, end), feedforward(gripper, motion, end)
         for simulated in (self._scene, self._arm):

@@ -174,8 +174,8 @@ WALLED_IN = scene(
         **standing("yellow_box"),
         "left": _wall(0.5, 0.15, (0.14, 0.02, 0.2)),
         "right": _wall(0.5, 0.05, (0.14, 0.02, 0.2)),
-        "front": _wall(0.56, 0.1, (0.02, 0.078, 0.2)),
-        "back": _wall(0.44, 0.1, (0.02, 0.078, 0.2)),
+        "front": _wall(0.55, 0.1, (0.02, 0.078, 0.2)),
+        "back": _wall(0.45, 0.1, (0.02, 0.078, 0.2)),
     }
 )
 FAR = scene(standing("yellow_box", x=0.85, y=0.3))
