@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +13,20 @@ import yaml
 
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.experiments.packing import Packing
-from ictamp_drake.plan import Plan, work
+from ictamp_drake.plan import METHOD, Plan, work
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.plan_file import read_plan, write_plan
 from ictamp_drake.runs.records import Record, read_records
-from ictamp_drake.runs.solve import prepare
+from ictamp_drake.runs.solve import prepare, solve
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.world.simulate import PhysicsConfig
 from tests.runs.programs import SCENE, run, timeless
 
 LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed plays no part
 
-CROWD = Path(__file__).parent / "scenes" / "cases" / "f3-many-bystanders.yaml"
+CASES = Path(__file__).parent / "scenes" / "cases"
+CROWD = CASES / "f3-many-bystanders.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -212,6 +214,19 @@ def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
     assert plan is not None
     assert len(plan) == 10
     assert stream.expanded <= 20
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("case", ["neighbours-8-mm", "neighbours-on-two-sides"])
+def test_a_box_is_taken_from_between_its_neighbours_and_what_no_skill_moves_stays(case: str, seed: int) -> None:
+    method = replace(METHOD, seed=seed, time_limit=250, max_steps=200)
+    solution = solve(prepare(CASES / f"{case}.yaml", method), method)
+    assert solution.result.plan is not None, solution.result.stop_reason
+    assert sum(bool(step.attempt.motion) for step in solution.result.tree.steps) <= 10
+    end = solution.result.plan[-1].successor
+    assert end is not None
+    for name in set(solution.task.spec.boxes) - {attempt.action.args[0] for attempt in solution.result.plan}:
+        np.testing.assert_allclose(end.poses[name], solution.task.c.poses[name], atol=1e-4)
 
 
 def test_a_missing_scene_is_named(folder: Path) -> None:

@@ -154,7 +154,7 @@ class Segment:
     Attributes:
         label: what it is for, e.g. "approach", "lower", "grasp".
         duration: [s].
-        gripper: the command in force from the segment's start.
+        gripper: the command in force from the segment's start, or from when the one before is obeyed.
         order: order of the B-spline (degree + 1).
         knots: times from the segment's start [s], shape (n + order,).
         control_points: arm joint positions [rad], shape (n, 7); a single row means that the arm stands still there.

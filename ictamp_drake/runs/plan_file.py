@@ -40,9 +40,10 @@ HEADER = """\
 #     label           what it is for
 #     start           time from the start of the plan
 #     duration        how long it takes; the next segment starts when it is over
-#     gripper         commanded at the segment's start and in force from then on. width: distance between the finger
-#                     pads, to which each finger moves at 0.05 m/s. force: grip force of each finger, built up within
-#                     0.05 s when the fingers have arrived; 0 lets go, before the fingers move.
+#     gripper         commanded at the segment's start, or as soon as the command before is obeyed, and in force from
+#                     then on. width: distance between the finger pads, to which each finger moves at 0.05 m/s. force:
+#                     grip force of each finger, built up within 0.05 s when the fingers have arrived; 0 lets go, before
+#                     the fingers move.
 #     order           of the arm's B-spline (degree + 1)
 #     knots           its knots, time from the segment's start; the first and last are as often repeated as `order` says
 #     control_points  its control points, positions of the 7 arm joints; a single one means that the arm stands still

@@ -110,11 +110,11 @@ def _gripper_knots(
     """
     knots = {0.0: (gripper.width, gripper.force)}
     for start, arrival, before, after in _changes(gripper, segments):
-        between = (after.width, before.force) if after.force > before.force else (before.width, after.force)
-        ramp = arrival - FORCE_RAMP if after.force > before.force else start + FORCE_RAMP
         knots[start] = (before.width, before.force)
-        if start < ramp < arrival:
-            knots[ramp] = between
+        if after.force != before.force and after.width != before.width:
+            grips = after.force > before.force
+            ramp = arrival - FORCE_RAMP if grips else start + FORCE_RAMP
+            knots[ramp] = (after.width, before.force) if grips else (before.width, after.force)
         knots[arrival] = (after.width, after.force)
         gripper = after
     knots[end] = (gripper.width, gripper.force)

@@ -14,6 +14,7 @@ from ictamp_drake.skills.geometry import (
     grip_width,
     hand_poses,
     held_bottom,
+    needed_opening,
     placement_parameter,
     placement_pose,
     raised,
@@ -47,6 +48,20 @@ def test_grasp_parameter_is_the_inverse_of_grasp_pose(
     c = arranged(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
     X_WG = grasp_pose(world, c, "red_box", k)
     np.testing.assert_allclose(grasp_parameter(world, c, "red_box", X_WG), k, atol=1e-9)
+
+
+@given(k=parameters, roll=rolls, yaw=st.floats(-180, 180), tilt=st.floats(-5, 5))
+def test_the_needed_opening_just_holds_the_box(
+    world: World, k: FloatArray, roll: float, yaw: float, tilt: float
+) -> None:
+    """The corner that is furthest from the middle of the hand, along its fingers' direction, touches a finger."""
+    c = arranged(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
+    X_WG = grasp_pose(world, c, "red_box", k)
+    corners = np.array(np.meshgrid(*[(-side / 2, side / 2) for side in SIZES["red_box"]])).reshape(3, -1)
+    p_GC = (X_WG.inverse() @ to_transform(c.poses["red_box"])).multiply(corners)
+    needed = needed_opening(world, c, "red_box", X_WG)
+    assert np.abs(p_GC[1]).max() == pytest.approx(needed / 2)
+    assert needed >= min(SIZES["red_box"]) - 1e-9
 
 
 @given(k=parameters, roll=rolls, yaw=st.floats(-180, 180))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
 from ictamp_drake.models.constants import HOME, MAX_FINGER_SPEED
-from ictamp_drake.world.commands import FORCE_RAMP, desired_positions, feedforward, gripper_time
+from ictamp_drake.world.commands import FORCE_RAMP, desired_positions, feedforward, gripper_time, obeyed_at
 from tests.world.scenes import way
 
 OPEN = GripperCommand(0.08)
@@ -124,3 +124,41 @@ def test_commands_may_follow_each_other_without_a_pause(lengths: list[float]) ->
     end = sum(segment.duration for segment in segments) + 1.0
     forces = feedforward(OPEN, segments, end)
     assert -forces.value(end)[7, 0] == pytest.approx(before.force)
+
+
+told = st.builds(
+    GripperCommand, width=st.sampled_from([0.0, 0.03, 0.05, 0.08]), force=st.sampled_from([0.0, 30.0, 60.0])
+)
+
+
+@given(commands=st.lists(st.tuples(told, st.floats(0.01, 1.0)), min_size=1, max_size=6), before=told)
+def test_a_command_is_obeyed_whole_before_the_next_one(
+    commands: list[tuple[GripperCommand, float]], before: GripperCommand
+) -> None:
+    """Whatever comes how soon: fingers go no faster than they can, forces do not jump, each goal is reached."""
+    segments = [still("s", q0, duration, gripper) for gripper, duration in commands]
+    obeyed = obeyed_at(before, segments)
+    end = max(obeyed, sum(duration for _, duration in commands)) + 0.5
+    times = np.arange(0.0, end, 0.001)
+    positions, efforts = desired_positions(q0, before, segments, end), feedforward(before, segments, end)
+    finger = np.array([positions.value(t)[7, 0] for t in times])
+    force = np.array([-efforts.value(t)[7, 0] for t in times])
+    assert finger[0] == pytest.approx(before.width / 2)
+    assert force[0] == pytest.approx(before.force)
+    assert np.abs(np.diff(finger)).max() <= MAX_FINGER_SPEED * 0.001 * (1 + 1e-6)
+    assert np.abs(np.diff(force)).max() <= 60.0 / FORCE_RAMP * 0.001 * (1 + 1e-6)
+    last = commands[-1][0]
+    np.testing.assert_allclose(2 * finger[times > obeyed], last.width, atol=1e-9)
+    np.testing.assert_allclose(force[times > obeyed], last.force, atol=1e-9)
+    goals = [before, *(gripper for gripper, _ in commands)]
+    reached = iter(2 * finger)
+    assert all(any(abs(width - goal.width) < 1.1e-4 for width in reached) for goal in goals)  # in their order
+
+
+def test_a_command_in_time_starts_with_its_segment() -> None:
+    segments = [still("a", q0, 1.0, GRIP), still("b", q0, 1.0, OPEN)]
+    assert obeyed_at(OPEN, segments) == pytest.approx(1.0 + gripper_time(GRIP, OPEN))
+    assert obeyed_at(OPEN, []) == obeyed_at(GRIP, [still("a", q0, 1.0, GRIP)]) == 0.0
+    assert obeyed_at(OPEN, [still("a", q0, 0.1, GRIP), still("b", q0, 1.0, OPEN)]) == pytest.approx(
+        gripper_time(OPEN, GRIP) + gripper_time(GRIP, OPEN)
+    )

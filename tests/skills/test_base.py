@@ -1,0 +1,41 @@
+"""How far the hand is told to open."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.skills.base import CLEARANCES, openings
+from ictamp_drake.skills.pick import PickConfig
+from ictamp_drake.skills.place import PlaceConfig
+
+
+@given(needed=st.floats(0, 0.1), clearances=st.lists(st.floats(0, 0.05), min_size=1, max_size=4))
+def test_the_hand_leaves_room_on_both_sides_or_is_as_far_open_as_it_goes(
+    needed: float, clearances: list[float]
+) -> None:
+    commands = openings(needed, clearances)
+    widths = [command.width for command in commands]
+    assert len(set(widths)) == len(widths)
+    assert all(command.force == 0 for command in commands)
+    assert max(widths) <= GRIPPER_MAX_WIDTH
+    for clearance in clearances:
+        assert min(needed + 2 * clearance, GRIPPER_MAX_WIDTH) in widths
+    assert all(width >= min(needed + 2 * min(clearances), GRIPPER_MAX_WIDTH) for width in widths)
+
+
+def test_a_comfortable_opening_is_tried_first() -> None:
+    assert list(CLEARANCES) == sorted(CLEARANCES, reverse=True)
+
+
+@pytest.mark.parametrize("config", [PickConfig, PlaceConfig])
+@pytest.mark.parametrize(
+    ("clearances", "message"),
+    [((), "clearances is empty"), ((0.01, -0.001), "clearances is -0.001 m, but must be between 0 and 0.08 m")],
+)
+def test_clearances_are_checked(
+    config: type[PickConfig | PlaceConfig], clearances: tuple[float, ...], message: str
+) -> None:
+    with pytest.raises(IctampError, match=message):
+        config(clearances=clearances)

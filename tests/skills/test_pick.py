@@ -1,0 +1,139 @@
+"""How a pick opens the hand: as far as the box asks and its neighbours let, in time, and touching none of them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Configuration, GripperCommand, Motion
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
+from ictamp_drake.skills.base import CLEARANCES
+from ictamp_drake.skills.geometry import grasp_pose, needed_opening
+from ictamp_drake.skills.pick import PickConfig
+from ictamp_drake.world.commands import gripper_time, obeyed_at
+from ictamp_drake.world.world import ARM, FINGERS, World
+from tests.skills.rig import pick, rig
+from tests.world.scenes import scene, standing
+
+BETWEEN = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "neighbours-8-mm.yaml")
+WANTED = pick("wanted", "table")
+ACROSS = np.array([0.0, 0.0, 0.036, 0.0])
+"""A grasp in the middle of the wanted box, the fingers above its low neighbours."""
+
+FREE = World(scene({**standing("yellow_box", y=-0.05), **standing("red_box", y=0.3)}))
+PLANNER = MotionPlanner(FREE)
+
+
+def planned(
+    world: World, box: str, k: np.ndarray, c: Configuration | None = None, config: PickConfig | None = None
+) -> Motion | Refusal:
+    skill = (config or PickConfig()).create(world, MotionPlanner(world) if world is not FREE else PLANNER)
+    c = c or world.initial_configuration()
+    return skill.plan(c, pick(box, "table"), k, np.random.default_rng(0))
+
+
+def by_label(motion: Motion | Refusal) -> dict[str, GripperCommand]:
+    assert not isinstance(motion, Refusal), motion
+    return {segment.label: segment.gripper for segment in motion}
+
+
+@settings(max_examples=25)
+@given(
+    box=st.sampled_from(["red_box", "yellow_box"]),
+    across=st.floats(-0.008, 0.008),
+    askew=st.floats(-0.1, 0.1),
+    quarter=st.integers(-1, 1),
+    before=st.sampled_from([0.0, 0.05, 0.08]),
+)
+def test_the_hand_comes_down_open_wide_enough(
+    box: str, across: float, askew: float, quarter: int, before: float
+) -> None:
+    yaw = quarter * np.pi / 2 + askew
+    height = FREE.sizes[box][2] / 2 - 0.02
+    k = np.array([-across * np.sin(yaw), across * np.cos(yaw), height, yaw])
+    c = replace(FREE.initial_configuration(), gripper=GripperCommand(before))
+    motion = planned(FREE, box, k, c)
+    commands = by_label(motion)
+    assert not isinstance(motion, Refusal)
+    needed = needed_opening(FREE, c, box, grasp_pose(FREE, c, box, k))
+    assert commands["lower"].width == pytest.approx(min(needed + 2 * CLEARANCES[0], GRIPPER_MAX_WIDTH))
+    assert commands["approach"] == commands["lower"]
+    assert commands["lower"].force == 0
+    assert commands["grasp"].width <= needed
+    labels = [segment.label for segment in motion]
+    ready = motion[: labels.index("lower")]
+    assert obeyed_at(c.gripper, ready) <= sum(segment.duration for segment in ready) + 1e-9
+    assert obeyed_at(c.gripper, motion) <= sum(segment.duration for segment in motion) + 1e-9
+
+
+def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
+    k = np.array([0.0, 0.0, 0.03, 0.0])
+    first = planned(FREE, "red_box", k)
+    assert not isinstance(first, Refusal)
+    near = first[1].control_points[0] + 0.01  # close to where the hand is lowered from
+    start = FREE.initial_configuration()
+    closed = Configuration(np.append(near, [0.0, 0.0]), start.poses, None, GripperCommand(0.0))
+    motion = planned(FREE, "red_box", k, closed)
+    assert not isinstance(motion, Refusal)
+    adjust, approach, lower = motion[:3]
+    assert [adjust.label, approach.label, lower.label] == ["adjust", "approach", "lower"]
+    assert adjust.gripper == approach.gripper == lower.gripper
+    assert approach.duration < gripper_time(closed.gripper, lower.gripper) <= adjust.duration
+    np.testing.assert_array_equal(adjust.control_points, [closed.commanded])
+
+
+def test_neighbours_make_the_hand_open_less() -> None:
+    world = World(BETWEEN)
+    commands = by_label(planned(world, "wanted", ACROSS))
+    assert commands["lower"].width == pytest.approx(0.05 + 2 * CLEARANCES[-1], abs=1e-6)
+    wide = planned(world, "wanted", ACROSS, config=PickConfig(clearances=CLEARANCES[:-1]))
+    assert isinstance(wide, Refusal)
+    assert wide.failure is Failure.GOAL_IN_COLLISION
+    assert wide.obstacle in {"left_back", "right_back"}
+
+
+def test_a_pick_between_neighbours_touches_none_of_them() -> None:
+    """Looked at in each step of physics with everything awake; the neighbours do not move."""
+    setup = rig(BETWEEN)
+    attempt = setup.attempt(setup.start, WANTED, k=ACROSS)
+    assert attempt.failure is None, attempt.detail
+    assert attempt.successor is not None
+    others = sorted(set(BETWEEN.boxes) - {"wanted"})
+    physics = replace(setup.physics.config, sleep=False, record_period=setup.physics.config.time_step).create(
+        World(BETWEEN)
+    )
+    outcome = physics.run(setup.start, attempt.motion)
+    assert outcome.recording is not None
+    for frame in physics.frames(outcome.recording):
+        for touch in setup.world.touches(frame.c, 0.0):
+            bodies = {touch.a, touch.b}
+            assert not (bodies & {ARM, *FINGERS, "wanted"} and bodies & {*others}), bodies
+    for end in (attempt.successor, outcome.c):
+        for name in others:
+            np.testing.assert_allclose(end.poses[name], setup.start.poses[name], atol=1e-4)
+
+
+def _well(depth: float) -> SceneSpec:
+    """A small box between two walls that are higher than it."""
+    size, gap = (0.035, 0.035, 0.06), 0.032
+    y = size[1] / 2 + gap + 0.02
+    walls = {
+        side: BoxSpec((0.03, 0.04, depth), (0.5, 0.1 + sign * y, depth / 2)) for side, sign in (("a", 1), ("b", -1))
+    }
+    return scene({"small": BoxSpec(size, (0.5, 0.1, size[2] / 2)), **walls})
+
+
+def test_a_hand_too_wide_for_where_it_is_lowered_closes_a_little_before_it_sets_out() -> None:
+    world = World(_well(0.085))
+    motion = planned(world, "small", np.array([0.0, 0.0, 0.021, 0.0]))
+    commands = by_label(motion)
+    assert list(commands)[:3] == ["adjust", "approach", "lower"]
+    assert commands["adjust"] == commands["lower"]
+    shallow = planned(World(_well(0.06)), "small", np.array([0.0, 0.0, 0.021, 0.0]))
+    assert "adjust" not in by_label(shallow)

@@ -1,0 +1,129 @@
+"""How a placement opens the hand to let go: as far as the neighbours let, or refused before its way is planned."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ictamp_drake.core.types import Configuration, GripperCommand, Motion, Parameter
+from ictamp_drake.motion.planner import MotionPlanner, Refusal
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
+from ictamp_drake.skills.base import CLEARANCES
+from ictamp_drake.skills.place import PlaceConfig
+from ictamp_drake.world.commands import obeyed_at
+from ictamp_drake.world.world import ARM, FINGERS, World
+from tests.skills.rig import pick, place, rig
+from tests.world.scenes import scene
+
+SIDE = 0.05
+GRASP = np.array([0.0, 0.0, 0.03, 0.0])
+HERE = np.array([0.2, -0.1, 0.002, 0.0])
+"""Placement on the table, at (0.5, -0.1) in W, the fingers along y."""
+
+
+def _between(gap: float) -> SceneSpec:
+    """A box elsewhere, and room for it between two others, so far from each of its sides along y [m]."""
+    y = SIDE / 2 + gap + 0.03
+    walls = {
+        side: BoxSpec((0.06, 0.06, 0.08), (0.5, -0.1 + sign * y, 0.04)) for side, sign in (("left", 1), ("right", -1))
+    }
+    return scene({"moved": BoxSpec((SIDE, SIDE, 0.1), (0.5, 0.2, 0.05)), **walls})
+
+
+class Counting(MotionPlanner):
+    """Counts the transfers that it plans."""
+
+    transfers = 0
+
+    def transfer(self, *arguments: object) -> object:  # type: ignore[override]
+        self.transfers += 1
+        return super().transfer(*arguments)  # type: ignore[arg-type]
+
+
+def carried(spec: SceneSpec) -> Configuration:
+    """The box in the hand."""
+    setup = rig(spec)
+    picked = setup.attempt(setup.start, pick("moved", "table"), k=GRASP)
+    assert picked.succeeded, picked.detail
+    assert picked.successor is not None
+    return picked.successor
+
+
+@pytest.fixture(scope="module")
+def held() -> Configuration:
+    return carried(_between(0.1))
+
+
+def held_in(spec: SceneSpec, held: Configuration) -> Configuration:
+    """The same box in the hand in a scene with other neighbours."""
+    poses = {**World(spec).initial_configuration().poses, "moved": held.poses["moved"]}
+    return replace(held, poses=poses, x=None)
+
+
+def planned(
+    spec: SceneSpec, held: Configuration, k: Parameter = HERE, config: PlaceConfig | None = None
+) -> tuple[Motion | Refusal, int]:
+    """The motion, or why there is none, and the number of transfers planned."""
+    world = World(spec)
+    planner = Counting(world)
+    skill = (config or PlaceConfig()).create(world, planner)
+    motion = skill.plan(held_in(spec, held), place("moved", "table"), k, np.random.default_rng(0))
+    return motion, planner.transfers
+
+
+@pytest.mark.parametrize(("gap", "clearance"), [(0.1, CLEARANCES[0]), (0.023, CLEARANCES[1]), (0.020, CLEARANCES[2])])
+def test_neighbours_make_the_hand_open_less(held: Configuration, gap: float, clearance: float) -> None:
+    motion, _ = planned(_between(gap), held)
+    assert not isinstance(motion, Refusal), motion
+    commands = {segment.label: segment.gripper for segment in motion}
+    assert commands["transfer"] == commands["lower"] == held.gripper
+    assert commands["release"] == commands["retreat"]
+    assert commands["release"].force == 0
+    assert commands["release"].width == pytest.approx(SIDE + 2 * clearance, abs=1e-3)
+    assert commands["release"].width >= SIDE + 2 * clearance - 1e-4
+    before_retreat = motion[:-1]
+    duration = sum(segment.duration for segment in before_retreat)
+    assert obeyed_at(held.gripper, before_retreat) <= duration
+
+
+def test_where_the_fingers_have_no_room_to_open_nothing_dear_is_planned(held: Configuration) -> None:
+    """The closed fingers fit between the neighbours, but cannot let go there."""
+    for spec, expected in ((_between(0.017), 0), (_between(0.1), 1)):
+        motion, transfers = planned(spec, held)
+        assert transfers == expected
+        assert isinstance(motion, Refusal) == (expected == 0)
+        if isinstance(motion, Refusal):
+            assert motion.obstacle in {"left", "right"}
+    motion, _ = planned(_between(0.017), held, config=PlaceConfig(clearances=(0.0005,)))
+    assert not isinstance(motion, Refusal)
+
+
+def test_a_placement_between_neighbours_touches_none_of_them() -> None:
+    spec = _between(0.020)
+    setup = rig(spec)
+    c = carried(spec)
+    attempt = setup.attempt(c, place("moved", "table"), k=HERE)
+    assert attempt.failure is None, attempt.detail
+    assert attempt.successor is not None
+    assert attempt.successor.gripper.width < SIDE + 2 * CLEARANCES[-2]
+    assert attempt.recording is not None
+    for frame in setup.physics.frames(attempt.recording):
+        for touch in setup.world.touches(frame.c, 0.0):
+            bodies = {touch.a, touch.b}
+            assert not (bodies & {ARM, *FINGERS, "moved"} and bodies & {"left", "right"}), bodies
+    for side in ("left", "right"):
+        np.testing.assert_allclose(attempt.successor.poses[side], setup.start.poses[side], atol=1e-4)
+
+
+def test_the_next_pick_starts_from_the_opening_that_the_placement_left() -> None:
+    spec = _between(0.020)
+    setup = rig(spec)
+    c = carried(spec)
+    placed = setup.attempt(c, place("moved", "table"), k=HERE).successor
+    assert placed is not None
+    assert isinstance(placed.gripper, GripperCommand)
+    np.testing.assert_allclose(2 * placed.q[7:], placed.gripper.width, atol=5e-4)
+    again = setup.attempt(placed, pick("moved", "table"), k=GRASP)
+    assert again.failure is None, again.detail
+    assert again.motion[0].label == "approach"
+    assert again.motion[0].gripper.width == pytest.approx(placed.gripper.width, abs=1e-3)
