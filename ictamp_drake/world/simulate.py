@@ -146,6 +146,8 @@ class Physics:
         self._q = self._scene.positions(self.bodies.arm)
         self._arm_x = np.concatenate([self._q, self._scene.velocities(self.bodies.arm)])
         self._command = (HOME, GripperCommand(GRIPPER_MAX_WIDTH))
+        self._held: str | None = None
+        self._last: SimulatedPlant | None = None
         self._looked = (self._scene.x, self._scene.x)
 
     def _add_scene(self, plant: MultibodyPlant, spec: SceneSpec) -> ModelInstanceIndex:
@@ -172,23 +174,22 @@ class Physics:
 
     def proceed(self, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True) -> Outcome:
         """Execute a motion from where the last one ended; see `run`."""
-        before = self._scene.x, self._command
+        before = self.configuration()
         try:
             return self._execute(motion, watch, record, sleep=self.config.sleep)
         except _SleeperTouchedError:
-            self._sleepers.wake()
-            self._scene.x, self._command = before
+            self._load(before)
             return self._execute(motion, watch, record, sleep=False)
 
     def _load(self, c: Configuration) -> None:
         self._sleepers.wake()
-        self._command = (c.commanded, c.gripper)
+        self._command, self._held, self._last = (c.commanded, c.gripper), c.held, None
         x = np.zeros(self._scene.x.size)
         x[self._q] = c.q
         for name, places in self._boxes.items():
             x[places] = c.poses[name]
         if c.x is not None:
-            if self._view(c.x) != Configuration(c.q, c.poses):
+            if c.x.shape != x.shape or self._view(c.x) != Configuration(c.q, c.poses):
                 raise ValueError("x of the configuration belongs to other positions of the arm or the boxes")
             x = c.x
         self._scene.x = x
@@ -266,6 +267,7 @@ class Physics:
         simulated = self._choose(touches, step) if later else self._scene
         for step in later:
             simulated.advance(step)
+            self._last = simulated
             x = self._scene.x
             if simulated is self._arm:
                 x[self._arm_x] = simulated.x
@@ -303,7 +305,9 @@ class Physics:
         return Configuration(x[self._q], {name: normalised(x[places]) for name, places in self._boxes.items()})
 
     def gripped(self) -> str | None:
-        """The box that both fingers press, if any, as of the last step in which the scene was simulated."""
+        """The box that both fingers press, if any, as of the last step; before the first one, what c says."""
+        if self._last is not self._scene:
+            return None if self._last is self._arm else self._held
         results = self._scene.plant.get_contact_results_output_port().Eval(self._scene.context)
         fingers = [body.index() for body in self.bodies.fingers]
         forces: dict[str, list[float]] = {name: [0.0, 0.0] for name in self.bodies.boxes}
