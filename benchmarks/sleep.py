@@ -1,6 +1,6 @@
 """Whether what sleeps changes anything: `python benchmarks/sleep.py --problems 0:6`.
 
-Solves problems of each level, then executes each plan twice from c_0: as the search did, and with the whole scene awake.
+Solves problems of each level, then executes each plan from c_0 as the search did and with the whole scene awake.
 Compares where every box is at the end of every skill, and H there. Takes about 12 s a problem on one core. Writes a
 table to benchmarks/sleep.md.
 """
@@ -157,9 +157,10 @@ def main() -> None:
     lines = [
         "# Plans executed with boxes asleep and with the whole scene awake",
         "",
-        f"By `{shlex.join(['python', *sys.argv])}`. Compared is every box at the end of every skill. time: processor time",
-        "with sleep as a part of that without, median over plans. woken: how many of the steps that physics executed in the",
-        "search were executed again with the whole scene awake, because something awake touched something asleep.",
+        f"By `{shlex.join(['python', *sys.argv])}`. Compared is every box at the end of every skill.",
+        "time: processor time with sleep as a part of that without, median over plans. woken: how many of the steps",
+        "that physics executed in the search were executed again with the whole scene awake, because something awake",
+        "touched something asleep.",
         "",
         *table(found),
         "",

@@ -85,7 +85,7 @@ def test_it_keeps_no_hold_on_what_it_was_made_of() -> None:
     q, pose, commanded, x = np.zeros(9), np.zeros(7), np.zeros(7), np.zeros(20)
     c = Configuration(q, {"red": pose}, commanded=commanded, x=x)
     for array in (q, pose, commanded, x):
-        array += 1.0
+        array.fill(1.0)
     assert not any(array.any() for array in arrays_of(c))
 
 

@@ -108,7 +108,7 @@ def fresh() -> Physics:
 
 
 @pytest.mark.parametrize("sleep", [True, False])
-def test_motions_one_by_one_are_one_execution_bit_for_bit(world: World, physics: Physics, sleep: bool) -> None:
+def test_motions_one_by_one_are_one_execution_bit_for_bit(world: World, sleep: bool) -> None:
     """Also where a motion ends in the middle of everything, the box in the hand and the arm still following."""
     config, start = PhysicsConfig(sleep=sleep), world.initial_configuration()
     parts = [(segment,) for segment in grip_and_carry(start, 30.0)]
@@ -218,8 +218,10 @@ def test_boxes_may_move_where_a_motion_begins(world: World, physics: Physics) ->
     for start in (c, replace(c, q=c.q, poses=c.poses, x=rises)):
         alone = replace(way("aside", c.q[:7], AWAY, 1.0, OPEN), touches=frozenset())
         outcome = physics.run(start, (replace(stay(c, 0.1), touches=frozenset({"thing"})), alone))
-        reference = PhysicsConfig(sleep=False).create(world).run(
-            start, (replace(stay(c, 0.1), touches=frozenset({"thing"})), alone)
+        reference = (
+            PhysicsConfig(sleep=False)
+            .create(world)
+            .run(start, (replace(stay(c, 0.1), touches=frozenset({"thing"})), alone))
         )
         np.testing.assert_allclose(outcome.c.poses["thing"], reference.c.poses["thing"], atol=1e-4)
         assert outcome.c.poses["thing"][6] < 0.1
