@@ -11,9 +11,10 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.contact import CONTACT_RADIUS
 from ictamp_drake.world.world import Touch, World
 
-_CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
+_POINTS = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
+"""Corners, middles of edges and of faces of a box, as multiples of its half sides."""
 _LEVEL = 0.003
-"""Corners this near to the height of a top face are at its height [m]."""
+"""Points this near to the height of a top face are at its height [m]."""
 
 
 class Lookout:
@@ -49,9 +50,9 @@ class Lookout:
         plant_context = plant.GetMyContextFromRoot(context)
         for name in boxes:
             X_WO = plant.EvalBodyPoseInWorld(plant_context, bodies[name])
-            p_WC = X_WO.multiply((_CORNERS * (self._world.sizes[name] / 2 - CONTACT_RADIUS)).T)
+            p_WP = X_WO.multiply((_POINTS * (self._world.sizes[name] / 2 - CONTACT_RADIUS)).T)
             for X_TW, half in self._tops:
-                x, y, z = X_TW.multiply(p_WC)
+                x, y, z = X_TW.multiply(p_WP)
                 level = np.abs(z - CONTACT_RADIUS) < _LEVEL
                 inside = (np.abs(x) <= half[0]) & (np.abs(y) <= half[1])
                 if np.any(level & inside) and np.any(level & ~inside):
