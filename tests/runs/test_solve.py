@@ -96,6 +96,7 @@ def test_a_plan_is_executed_once_unless_more_is_asked(scene: Path) -> None:
     assert verifier(task, method)(())  # not even looked at
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("verify", "time_step"), [("awake", 0.004), ("fine", 0.001)])
 def test_a_plan_that_holds_is_solved_when_it_is_executed_again(scene: Path, verify: Any, time_step: float) -> None:
     method = Method(time_limit=250, verify=verify)
@@ -117,13 +118,15 @@ class Slippery(Method):
         return physics and replace(physics, min_pad_force=1e-3, finger_stiffness=1e-3, rest_speed=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("verify", ["awake", "fine"])
 def test_a_plan_that_does_not_hold_when_it_is_executed_again_is_not_solved(scene: Path, verify: Any) -> None:
     """Nothing is at rest for the physics of the other execution."""
-    method = Slippery(time_limit=250, max_steps=2, verify=verify)
+    method = Slippery(time_limit=250, max_steps=6, verify=verify)
     solution = solve(prepare(scene, method), method)
     result = solution.result
-    assert [step.attempt.succeeded for step in result.tree.steps] == [True, True], "its skills reached the goal"
+    assert result.plan is not None
+    assert all(attempt.succeeded for attempt in result.plan), "its skills reached the goal"
     assert not result.solved
     assert result.verified is False
     record = record_of("scene", "", None, 0, solution)
