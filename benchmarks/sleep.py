@@ -23,8 +23,9 @@ from ictamp_drake.runs.options import Method
 from ictamp_drake.runs.replay import Replay, replay
 from ictamp_drake.runs.solve import Task, prepare, solve
 from ictamp_drake.scenes.levels import LEVELS, problem_files
+from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.poses import to_transform
-from ictamp_drake.world.simulate import Outcome, Physics, Watcher
+from ictamp_drake.world.simulate import Physics, Watcher
 
 OUT = Path(__file__).with_suffix(".md")
 

@@ -2,7 +2,8 @@
 
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.planning.tree import ROOT, Step, Tree
-from ictamp_drake.world.simulate import Frame, Physics
+from ictamp_drake.world.outcome import Frame
+from ictamp_drake.world.simulate import Physics
 
 MAX_STEPS = 60
 """How many steps of a search are shown in motion: each takes about 25 kB of a page."""

@@ -128,7 +128,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         failures=_named(result.failures),
         rejections=_named(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
         seconds_by_stage={
-            "setup": _rounded(solution.planning_time_s - result.planning_time_s),
+            "setup": _rounded(solution.setup_time_s),
             **{stage: _rounded(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
         replay_time_s=None if solution.execution_time_s is None else _rounded(solution.execution_time_s),

@@ -8,7 +8,8 @@ from time import process_time
 
 from ictamp_drake.core.types import Atom, Attempt, Configuration
 from ictamp_drake.world.abstraction import Abstraction
-from ictamp_drake.world.simulate import Frame, Outcome, Physics
+from ictamp_drake.world.outcome import Frame, Outcome
+from ictamp_drake.world.simulate import Physics
 
 
 @dataclass(frozen=True, eq=False)

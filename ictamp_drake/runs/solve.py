@@ -59,6 +59,7 @@ class Solution:
         result: what the search left.
         planning_time_s: time from the start of loading the scene until the plan was found or given up [s].
         cpu_time_s: processor time of this process in the meantime [s].
+        setup_time_s: the part of it before the search [s].
         geometric_time_s: processor time until the first plan was finished of which no step had run in physics yet [s];
             None when there is none, or when each step runs in physics at once.
     """
@@ -67,6 +68,7 @@ class Solution:
     result: PlanningResult[Configuration]
     planning_time_s: float
     cpu_time_s: float
+    setup_time_s: float
     geometric_time_s: float | None = None
 
     @property
@@ -133,10 +135,10 @@ def solve(
         listeners=listeners,
         stop=stop,
     )
-    before = process_time() - task.cpu_started
+    setup = process_time() - task.cpu_started
     result = planner.run()
-    geometric = None if result.geometric_time_s is None else before + result.geometric_time_s
-    return Solution(task, result, perf_counter() - task.started, process_time() - task.cpu_started, geometric)
+    geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
+    return Solution(task, result, perf_counter() - task.started, process_time() - task.cpu_started, setup, geometric)
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:

@@ -2,7 +2,7 @@
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, State
-from ictamp_drake.world.simulate import Outcome
+from ictamp_drake.world.outcome import Outcome
 
 
 def judge(reached: State, promised: State, action: Action, outcome: Outcome) -> tuple[Failure | None, str]:

@@ -21,7 +21,8 @@ from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.place import PlaceConfig
 from ictamp_drake.world.abstraction import Abstraction
-from ictamp_drake.world.simulate import Outcome, Physics
+from ictamp_drake.world.outcome import Outcome
+from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
 

@@ -11,8 +11,8 @@ from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.page import Caption, add_captions, write_page
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tracks import tracks
+from ictamp_drake.world.outcome import Frame
 from ictamp_drake.world.poses import to_transform
-from ictamp_drake.world.simulate import Frame
 
 TICKS = 1000
 """Resolution of times in the page [1/s]."""

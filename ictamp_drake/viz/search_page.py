@@ -19,7 +19,7 @@ from ictamp_drake.viz.layout import CAUSE_COLORS, Layout, Record
 from ictamp_drake.viz.page import add_to_body, resource, to_script, write_page
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tracks import Track, tracks
-from ictamp_drake.world.simulate import Frame
+from ictamp_drake.world.outcome import Frame
 
 TIME_UNIT, POSE_UNIT = 1e-3, 1e-4
 """Tracks are whole numbers of these: time [s]; position [m] and components of the unit quaternion."""

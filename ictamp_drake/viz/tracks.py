@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.viz.keyframes import keyframes, same_hemisphere
 from ictamp_drake.viz.stage import Stage
-from ictamp_drake.world.simulate import Frame
+from ictamp_drake.world.outcome import Frame
 
 TOLERANCE = 5e-4
 """How far from the recording a shown pose may be: position [m], components of the unit quaternion."""

@@ -4,17 +4,18 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlantConfig
 
-from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Recording, Segment
+from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.checks import check_fields, check_vector
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obeyed_at, stand_still
 from ictamp_drake.world.lookout import Lookout
+from ictamp_drake.world.outcome import Frame, Outcome, Tape
 from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
 from ictamp_drake.world.poses import normalised
 from ictamp_drake.world.sleep import NEAR, Sleepers
@@ -96,33 +97,6 @@ class PhysicsConfig:
         return math.ceil(seconds / self.time_step - 1e-6)
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Where a simulation ended.
-
-    Attributes:
-        c: the last configuration.
-        settled: whether everything came to rest in time.
-        stopped_after: label of the segment after which the watcher ended it, None when it ran to the end.
-        motion: what was executed. Unless the watcher ended it, the arm stands still at its end until the hand has
-            obeyed, all is at rest and a whole number of time steps is over.
-        recording: states on the way, none but the first when they were not to be kept; None when nothing was simulated.
-    """
-
-    c: Configuration
-    settled: bool
-    stopped_after: str | None
-    motion: Motion
-    recording: Recording | None
-
-
-class Frame(NamedTuple):
-    """A moment of a recorded simulation: time from its start [s] and what is there."""
-
-    time: float
-    c: Configuration
-
-
 Watcher = Callable[[Segment, "Physics"], bool]
 """Called after each segment; False ends the simulation there."""
 
@@ -191,6 +165,10 @@ class Physics:
                 sleep = False
             except _OverhangError:
                 rims = True
+            except RuntimeError:  # the contact solver diverged, and might not have with all awake
+                if not sleep:
+                    raise
+                sleep = False
             self._load(before)
 
     def _load(self, c: Configuration) -> None:
@@ -215,7 +193,7 @@ class Physics:
         """
         config = self.config
         period = max(1, round(config.record_period / config.time_step))
-        tape = _Tape(config.time_step, record)
+        tape = Tape(config.time_step, record)
         tape.add(0, self._scene.x)
         self._looked = (self._scene.x, self._scene.x)
         self._tell(motion)
@@ -263,7 +241,7 @@ class Physics:
         return simulated
 
     def _simulate(
-        self, touches: frozenset[str] | None, looks: Sequence[int], tape: "_Tape", *, until_rest: bool = False
+        self, touches: frozenset[str] | None, looks: Sequence[int], tape: Tape, *, until_rest: bool = False
     ) -> int:
         """Simulate from the first of some steps to the last, or until all is at rest at one of them.
 
@@ -344,24 +322,3 @@ class _SleeperTouchedError(Exception):
 
 class _OverhangError(Exception):
     """A box reaches beyond the rim of the support that it touches."""
-
-
-class _Tape:
-    """States on the way of an execution."""
-
-    def __init__(self, time_step: float, record: bool) -> None:
-        self._time_step = time_step
-        self._record = record
-        self._times: list[float] = []
-        self._states: list[FloatArray] = []
-
-    def add(self, step: int, x: FloatArray) -> None:
-        """Keep the state at a step if states are to be kept; the first always is."""
-        if self._record or not self._states:
-            self._times.append(step * self._time_step)
-            self._states.append(x)
-
-    @property
-    def recording(self) -> Recording:
-        """What was kept."""
-        return Recording(np.array(self._times), np.array(self._states))

@@ -22,7 +22,8 @@ from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.symbolic.skeletons import BestFirst
-from ictamp_drake.world.simulate import Outcome, Physics, PhysicsConfig
+from ictamp_drake.world.outcome import Outcome
+from ictamp_drake.world.simulate import Physics, PhysicsConfig
 from tests.learning.synthetic import untrained
 from tests.runs.programs import SCENE
 

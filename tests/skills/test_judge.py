@@ -6,7 +6,7 @@ import pytest
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Configuration, Recording, State
 from ictamp_drake.skills.judge import judge
-from ictamp_drake.world.simulate import Outcome
+from ictamp_drake.world.outcome import Outcome
 
 C = Configuration(np.zeros(9), {})
 PICK, PLACE = Action("pick", ("red", "table")), Action("place", ("red", "rack"))

@@ -7,7 +7,7 @@ import numpy as np
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
-from ictamp_drake.world.simulate import Frame
+from ictamp_drake.world.outcome import Frame
 
 SPEC = SceneSpec(
     supports={"table": SupportSpec("table", (0.3, 0.0, 0.0)), "rack": SupportSpec("rack", (0.44, -0.3, 0.16), 90.0)},

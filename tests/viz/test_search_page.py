@@ -13,7 +13,7 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Attempt, Configuration, Skeleton
 from ictamp_drake.planning.tree import Tree
 from ictamp_drake.viz.search_page import search_html
-from ictamp_drake.world.simulate import Frame
+from ictamp_drake.world.outcome import Frame
 from tests.motions import stay
 from tests.viz.chromium import Chromium
 from tests.viz.scene import SPEC, START, swing
