@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ictamp_drake.core.errors import IctampError
@@ -53,10 +53,12 @@ class Prepared(NamedTuple):
     Attributes:
         task: the problem.
         seconds: what its preparation took [s].
+        cpu_seconds: the same in processor time [s].
     """
 
     task: Task
     seconds: float
+    cpu_seconds: float
 
     @classmethod
     def read(cls, path: Path, method: Method) -> "Prepared":
@@ -65,13 +67,13 @@ class Prepared(NamedTuple):
         Raises:
             IctampError: see `solve.prepare`.
         """
-        _load_modules(learned=False)
-        start = perf_counter()
-        return cls(prepare(path, method), perf_counter() - start)
+        task = prepare(path, method)
+        return cls(task, perf_counter() - task.started, process_time() - task.cpu_started)
 
     def begin(self) -> Task:
         """The task; what happened since it was prepared does not count as planning time."""
-        return replace(self.task, started=perf_counter() - self.seconds)
+        started, cpu_started = perf_counter() - self.seconds, process_time() - self.cpu_seconds
+        return replace(self.task, started=started, cpu_started=cpu_started)
 
 
 @dataclass(frozen=True)
