@@ -6,7 +6,7 @@ A choice between implementations is a dataclass with one field for each; its fie
 import dataclasses
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import tyro
 
@@ -72,6 +72,12 @@ class Planners:
     adaptive: AdaptiveConfig = AdaptiveConfig()
 
 
+Verification = Literal["none", "awake", "fine"]
+"""What a found plan must pass besides the execution of its skills; see `Method`."""
+
+Execution = Literal["each-step", "whole-plan"]
+"""When physics runs the skills; see `Method`."""
+
 FINE_STEP = 1e-3
 """Time step of the strictest verification [s]."""
 
@@ -136,8 +142,8 @@ class Method:
     generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
     planner: Annotated[str, one_of(choices(Planners))] = "completion-tree"
     max_expansions: int = PlannerConfig.max_expansions
-    verify: Literal["none", "awake", "fine"] = "none"
-    execution: Annotated[Literal["each-step", "whole-plan"], tyro.conf.arg(name="physics")] = "each-step"
+    verify: Verification = "none"
+    execution: Annotated[Execution, tyro.conf.arg(name="physics")] = "each-step"
     skills: SkillsConfig = SkillsConfig()
     physics: PhysicsConfig = PhysicsConfig()
     predicates: PredicateConfig = PredicateConfig()
@@ -151,6 +157,8 @@ class Method:
         check_range("max-steps", self.max_steps or 0, 0, 1e9)
         check_range("seed", self.seed, 0, 2**63 - 1)
         check_range("max-expansions", self.max_expansions, 1, 1e9)
+        check_choice("verify", self.verify, get_args(Verification))
+        check_choice("physics", self.execution, get_args(Execution))
         for field, family in FAMILIES.items():
             name = getattr(self, field).replace("_", "-")  # both ways of writing a name
             check_choice(field, name, choices(family))

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Mesh, QueryObject, Role, Shape, Sphere
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.viz.png import png
 from ictamp_drake.viz.raster import Camera, render
 from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, Stage, viewpoint
 from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 800, 600
 def scene_png(spec: SceneSpec, c: Configuration, path: Path, stage: Stage | None = None) -> None:
     """Write a picture of c, of the bodies of the stage if there is one; it appears whole or not at all."""
     temporary = path.with_name(f".{path.name}.partial")
-    temporary.write_bytes(png(picture(spec, c, stage)))
+    Image.fromarray(picture(spec, c, stage)).save(temporary, format="png")
     temporary.replace(path)
 
 
