@@ -10,8 +10,7 @@ import tyro
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.runs.options import Conduct, Method, Planners
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.solve import prepare
-from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.runs.worker import Job, Prepared, Problem
 
 METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
 """How a scene is planned in unless told otherwise; experiments keep the defaults of `Method`.
@@ -46,10 +45,11 @@ def work(options: Plan) -> Work:
     Raises:
         IctampError: what is wrong with the scene; nothing has been written then.
     """
-    task = prepare(options.scene, options.method)
+    prepared = Prepared.read(options.scene, options.method)
     name = options.scene.stem
-    about = {"program": "plan", "scene": asdict(task.spec), "options": options.method.decisive}
-    return Work(name, about, [Job(Problem(name, options.scene.absolute()), options.method)], options.conduct)
+    about = {"program": "plan", "scene": asdict(prepared.task.spec), "options": options.method.decisive}
+    job = Job(Problem(name, options.scene.absolute()), options.method, prepared=prepared)
+    return Work(name, about, [job], options.conduct)
 
 
 if __name__ == "__main__":

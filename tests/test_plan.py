@@ -60,9 +60,10 @@ def test_the_record_tells_of_a_verified_plan(record: Record) -> None:
     assert 2 <= record.plan_length <= record.low_level_steps
     assert record.replay_time_s is not None
     assert 0 < record.replay_time_s < record.planning_time_s
-    stages = sum(record.seconds_by_stage.values())
+    assert record.replay_time_s <= record.seconds_by_stage["physics"]
     assert record.cpu_time_s is not None
-    assert stages == pytest.approx(record.cpu_time_s, rel=0.2)
+    stages = sum(seconds for stage, seconds in record.seconds_by_stage.items() if stage != "setup")
+    assert 0 < stages <= record.cpu_time_s  # which is all, with the setup and what is loaded late
 
 
 def test_the_output_names_result_and_replay(done: subprocess.CompletedProcess[str], record: Record) -> None:
@@ -107,6 +108,8 @@ def test_the_plan_file_replays_to_the_goal(folder: Path, record: Record, time_st
     assert record.plan_duration_s == pytest.approx(sum(durations), abs=1e-3)
     executed = sum(segment.duration for outcome in replay.outcomes for segment in outcome.motion)
     assert executed == pytest.approx(record.plan_duration_s, abs=1.0), "and comes to rest at once"
+    steps = np.array([attempt.duration for attempt in plan.attempts]) / PhysicsConfig().time_step
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
     X_WO = replay.c.poses["red_box"]
     assert X_WO[6] == pytest.approx(0.16 + 0.05, abs=0.002)  # on the rack's plate
 
@@ -122,9 +125,9 @@ def test_the_plan_file_is_plain_yaml_in_si_units(folder: Path, record: Record) -
     assert content["skeleton"] == [step["action"] for step in content["steps"]]
     segments = [segment for step in content["steps"] for segment in step["segments"]]
     clock = 0.0
-    q = content["initial"]["q"][:7]
+    q = content["initial"]["commanded"]
     for segment in segments:
-        assert segment["control_points"][0] == pytest.approx(q, abs=0.02)  # goes on where the arm is
+        assert segment["control_points"][0] == pytest.approx(q, rel=0, abs=1e-9)  # goes on where it was commanded to be
         q = segment["control_points"][-1]
         assert segment["start"] == pytest.approx(clock)
         clock += segment["duration"]

@@ -21,7 +21,7 @@ from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.events import Listener
-from ictamp_drake.planning.planner import Budget, Planner, PlannerConfig
+from ictamp_drake.planning.planner import Budget, Execute, Planner, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.tree import Tree
@@ -211,6 +211,7 @@ def toy_planner(
     max_expansions: int = 1000,
     estimator: Estimator[ToyConfiguration] | None = None,
     verify: Callable[[tuple[Attempt[ToyConfiguration], ...]], bool] = lambda _: True,
+    execute: Execute[ToyConfiguration] | None = None,
     listeners: Sequence[Listener] = (),
     stop: Callable[[], bool] = lambda: False,
     clock: Callable[[], float] | None = None,
@@ -225,9 +226,11 @@ def toy_planner(
         estimator=estimator or ConstantConfig().create(),
         verify=verify,
         rng=np.random.default_rng(seed),
+        execute=execute,
         listeners=listeners,
         stop=stop,
         clock=clock or TickingClock(),
+        cpu_clock=clock or TickingClock(),
     )
 
 
@@ -246,9 +249,10 @@ def assert_consistent(tree: Tree[ToyConfiguration]) -> None:
         assert node.depth == len(tree.path(node.index))
         for plan, cnt in node.cnt.items():
             assert tree.plans[plan].states[0] == node.s
-            assert node.index in tree.holders[plan]
+            assert (node.index in tree.holders[plan]) == (node.index not in tree.refuted)
             assert cnt == sum((step.node, step.plan) == (node.index, plan) for step in steps)
-    assert sum(map(len, tree.holders)) == sum(len(node.cnt) for node in tree.nodes)
+    held = [len(node.cnt) for node in tree.nodes if node.index not in tree.refuted]
+    assert sum(map(len, tree.holders)) == sum(held)
     assert len(set(tree.plans)) == len(tree.plans)
     for step in steps:
         if step.child is not None:

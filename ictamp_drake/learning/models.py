@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -107,7 +108,21 @@ def load_estimator(folder: Path, skill: str) -> EstimatorModel:
     return EstimatorModel(*_policy_and_critic(folder, "estimator", skill))
 
 
+def _version(path: Path) -> tuple[int, ...]:
+    """What changes when a file does; empty when there is none."""
+    if not path.exists():
+        return ()
+    found = path.stat()
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
 def _policy_and_critic(folder: Path, kind: Kind, skill: str) -> tuple[Policy, Classifier]:
+    return _loaded(folder, kind, skill, _version(folder / name_of(kind, skill)))
+
+
+@lru_cache(maxsize=16)
+def _loaded(folder: Path, kind: Kind, skill: str, _: tuple[int, ...]) -> tuple[Policy, Classifier]:
+    """Read once by each process; a file that has changed is read again."""
     torch.set_num_threads(1)  # small networks are fastest so
     found = load(folder, kind, skill)
     path = folder / name_of(kind, skill)
@@ -123,6 +138,11 @@ def load_dynamics(folder: Path, skill: str) -> DynamicsModel:
     Raises:
         IctampError: see `checkpoint.load`.
     """
+    return _loaded_dynamics(folder, skill, _version(folder / name_of("dynamics", skill)))
+
+
+@lru_cache(maxsize=16)
+def _loaded_dynamics(folder: Path, skill: str, _: tuple[int, ...]) -> DynamicsModel:
     torch.set_num_threads(1)
     found = load(folder, "dynamics", skill)
     path = folder / name_of("dynamics", skill)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models import add_package
 from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, HOME
 from ictamp_drake.motion.postures import postures
 from ictamp_drake.scenes.checks import check_fields
-from ictamp_drake.world.build import PANDA_URL
+from ictamp_drake.world.build import add_panda
 from ictamp_drake.world.matrices import forward
 
 LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
@@ -86,7 +86,7 @@ class ArmKinematics:
 
     def __init__(self, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
         self.config = config or KinematicsConfig()
-        self.plant = _arm_plant(X_WB)
+        self.plant = _arm_plant(tuple(X_WB.GetAsMatrix34().ravel()))
         self._X_BW, self._X_WB = X_WB.inverse(), X_WB.GetAsMatrix4()
         self._context = self.plant.CreateDefaultContext()
         self._grasp = self.plant.GetFrameByName("grasp")
@@ -219,13 +219,21 @@ def _between(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> RigidTrans
     return RigidTransform(X_WA.rotation() @ RotationMatrix(turn), position)
 
 
-def _arm_plant(X_WB: RigidTransform) -> MultibodyPlant:
-    """The seven joints only: the fingers are welded, and frame `target` can be put anywhere."""
+@lru_cache(maxsize=16)
+def _arm_plant(base: tuple[float, ...]) -> MultibodyPlant:
+    """The seven joints only: the fingers are welded, and frame `target` can be put anywhere.
+
+    Args:
+        base: the 12 numbers of X_WB's upper three rows. Arms with the same base share a plant, which never changes.
+    """
     plant = MultibodyPlant(0.0)
-    parser = Parser(plant)
-    add_package(parser)
-    parser.AddModelsFromUrl(PANDA_URL)
-    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("panda_link0"), X_WB)
+    add_panda(Parser(plant))
+    X_WB = np.reshape(base, (3, 4))
+    plant.WeldFrames(
+        plant.world_frame(),
+        plant.GetFrameByName("panda_link0"),
+        RigidTransform(RotationMatrix(X_WB[:, :3]), X_WB[:, 3]),
+    )
     for constraint in plant.GetConstraintIds():
         plant.RemoveConstraint(constraint)
     fingers = [plant.GetJointByName(name) for name in FINGER_JOINTS]

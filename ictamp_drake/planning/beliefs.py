@@ -74,12 +74,14 @@ class Beliefs(Generic[C]):
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
         """Take in an attempt; a failed one counts as often as it tried a k.
 
-        One that finished a plan which was then refused as a whole is a failure.
+        One that finished a plan which was then refused as a whole is a failure. What physics refuted was no success.
         """
         attempt, lineage = step.attempt, tree.lineage(step.node)
         action, obstacles = attempt.action, attempt.obstacles
         success = step.child is not None and tree.candidates.get(step.child, True)
         for edge in self._edges_at(tree, step.node, action):
+            if step.refuted is not None:
+                edge.withdraw_success(lineage)
             for _ in range(1 if success else attempt.tried):
                 edge.learn(lineage, success)
             if not success:

@@ -78,10 +78,17 @@ class EdgeBelief:
 
     def learn(self, lineage: Lineage, success: bool) -> None:
         """Take in an attempt from a node."""
+        self._add(lineage, _Evidence(1.0, success))
+
+    def withdraw_success(self, lineage: Lineage) -> None:
+        """Take back a success from a node."""
+        self._add(lineage, _Evidence(-1.0, -1.0))
+
+    def _add(self, lineage: Lineage, evidence: _Evidence) -> None:
         self._known.clear()
         before = self._groups_of(lineage)
         for node in lineage:
-            self._groups[node] = self._groups[node].plus(_Evidence(1.0, success))
+            self._groups[node] = self._groups[node].plus(evidence)
         for r, (old, new) in enumerate(zip(before, self._groups_of(lineage), strict=True)):
             news = new.for_others(self._strength).minus(old.for_others(self._strength))
             self._all_groups[r] = self._all_groups[r].plus(news)

@@ -4,7 +4,6 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from time import process_time
 from typing import Generic
 
 import numpy as np
@@ -77,6 +76,7 @@ class PlannerConfig:
         listeners: Sequence[Listener] = (),
         stop: Callable[[], bool] = lambda: False,
         clock: Callable[[], float] = time.perf_counter,
+        cpu_clock: Callable[[], float] = time.process_time,
     ) -> "Planner[C]":
         """The planner for one problem.
 
@@ -92,11 +92,14 @@ class PlannerConfig:
                 fails there counts as a failed attempt, and the search goes on from what physics reached.
             listeners: called with every event.
             stop: asked before every computational action; True ends the search as Ctrl-C does.
-            clock: seconds from any origin.
+            clock: seconds from any origin, for the budget.
+            cpu_clock: the same of processor time, for what is told of stages.
         """
         tree = Tree(c, abstraction(c))  # Algorithm 1, line 1
         rule = self.rule.create(estimator)
-        return Planner(self, tree, rule, generator, skills, verify, rng, execute, tuple(listeners), stop, clock)
+        return Planner(
+            self, tree, rule, generator, skills, verify, rng, execute, tuple(listeners), stop, clock, cpu_clock
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,17 +117,18 @@ class Planner(Generic[C]):
     listeners: tuple[Listener, ...]
     stop: Callable[[], bool]
     clock: Callable[[], float]
+    cpu_clock: Callable[[], float]
     _stopwatch: Stopwatch = field(init=False)
     _finished: list[int] = field(default_factory=list, init=False)
     _executed: set[int] = field(default_factory=lambda: {ROOT}, init=False)
     _geometric: list[float] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_stopwatch", Stopwatch())
+        object.__setattr__(self, "_stopwatch", Stopwatch(self.cpu_clock))
 
     def run(self) -> PlanningResult[C]:
         """Search until a plan is verified, nothing is left to do or the budget is spent; Ctrl-C ends it cleanly."""
-        start, cpu_start = self.clock(), process_time()
+        start, cpu_start = self.clock(), self.cpu_clock()
         try:
             reason = self._search(deadline=start + self.config.budget.seconds)
         except KeyboardInterrupt:
@@ -186,7 +190,7 @@ class Planner(Generic[C]):
         """Whether physics confirms every step that leads to the node; asks it about those that were only promised."""
         if self.execute is None:
             return True
-        self._geometric.append(process_time())
+        self._geometric.append(self.cpu_clock())
         for number in self.tree.lineage(node.index):
             if number in self.tree.refuted:
                 return False

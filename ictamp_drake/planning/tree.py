@@ -63,12 +63,14 @@ class Step(Generic[C]):
         plan: number of the plan.
         attempt: the run of the skill.
         child: number of the node that it led to, None when it failed.
+        refuted: number of the node that the attempt was promised to lead to, when physics refused it later.
     """
 
     node: int
     plan: int
     attempt: Attempt[C]
     child: int | None
+    refuted: int | None = None
 
 
 class RunStep(NamedTuple):
@@ -185,8 +187,7 @@ class Tree(Generic[C]):
         """
         child = self._add_child(self.nodes[node], plan, attempt) if attempt.succeeded else None
         step = Step(node, plan, attempt, child)
-        self.nodes[node].cnt[plan] += 1
-        self.log.append(step)
+        self._count(step)
         return step
 
     def confirm(self, node: int, attempt: Attempt[C]) -> None:
@@ -209,7 +210,9 @@ class Tree(Generic[C]):
                 for plan in each.cnt:
                     self.holders[plan].remove(each.index)
         _, led = self._step_to(node)
-        return self.record_step(led.node, led.plan, attempt)
+        step = Step(led.node, led.plan, attempt, None, node)
+        self._count(step)
+        return step
 
     def _step_to(self, node: int) -> tuple[int, Step[C]]:
         """Place in the log, and the step that led to the node."""
@@ -259,6 +262,10 @@ class Tree(Generic[C]):
             "nodes": [_node_to_dict(node, encode) for node in self.nodes],
             "log": [_entry_to_dict(entry) for entry in self.log],
         }
+
+    def _count(self, step: Step[C]) -> None:
+        self.nodes[step.node].cnt[step.plan] += 1
+        self.log.append(step)
 
     def _hold(self, node: Node[C], plan: Skeleton) -> int:
         number = self._numbers.setdefault(plan, len(self.plans))

@@ -1,4 +1,4 @@
-"""Where tasks run: in processes of this machine or of a Ray cluster, each of which can die or hang alone."""
+"""Where tasks run: in processes of this machine or of a Ray cluster, each of which can die alone, or in this one."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from typing import Any, Literal, Protocol, TypeVar
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.runs.inline import inline
 from ictamp_drake.runs.pool import isolated
 from ictamp_drake.scenes.checks import check_range
 
@@ -16,10 +17,10 @@ T = TypeVar("T")
 
 
 class Engine(Protocol):
-    """Runs tasks in isolated processes."""
+    """Runs tasks."""
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
-        """What a process will return; TimeoutError after so many seconds, another exception when it died."""
+        """What the function will return; TimeoutError after so many seconds, another exception if it dies."""
 
 
 @dataclass(frozen=True)
@@ -50,15 +51,23 @@ class EngineConfig:
         """Number of processes of this machine that so many tasks are given to."""
         return min(self.workers, tasks) if self.engine == "local" else 0
 
+    def is_inline(self, alone: bool) -> bool:
+        """Whether tasks run in this process, see `start`."""
+        return alone and self.engine == "local"
+
     @contextmanager
-    def start(self, tasks: int, start: Callable[..., None], *arguments: Any) -> Iterator[Engine]:
+    def start(self, tasks: int, start: Callable[..., None], *arguments: Any, alone: bool = False) -> Iterator[Engine]:
         """The engine at work, which ends with the block.
 
         Args:
             tasks: so many are expected; no more workers are started.
             start: called in each process with the arguments before its first task; calls `end_with_parent`.
+            alone: whether tasks of this machine run in this process, where one that dies takes all others with it.
         """
-        if self.engine == "local":
+        if self.is_inline(alone):
+            with inline(start, *arguments) as process:
+                yield process
+        elif self.engine == "local":
             with isolated(self.here(tasks), start, *arguments) as pool:
                 yield pool
         else:

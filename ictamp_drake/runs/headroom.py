@@ -2,7 +2,7 @@
 
 The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012): it knows beforehand which of all
 others will be the quickest on a problem, and no choice among them gains more. The second bounds what any strategy can
-gain, as every plan is executed at least twice: step by step when it is found, and as a whole when it is verified.
+gain, as every plan is executed at least once. Runs of earlier versions executed it twice, to verify the whole.
 """
 
 from collections.abc import Callable
@@ -42,7 +42,8 @@ def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
     return quickest_first.drop_duplicates([*PROBLEM, "seed"])
 
 
-def executed_twice(runs: pd.DataFrame) -> pd.DataFrame:
-    """Of every problem and seed the found plan that is the quickest to execute, and the time of doing so twice."""
-    plans = runs[runs["solved"] & runs["replay"].notna()].sort_values("replay", kind="stable")
-    return plans.drop_duplicates([*PROBLEM, "seed"]).assign(seconds=2 * plans["replay"])
+def executed(runs: pd.DataFrame) -> pd.DataFrame:
+    """Of every problem and seed the found plan that is the quickest to execute, and the time that this takes."""
+    plans = runs[runs["solved"] & runs["replay"].notna()]
+    plans = plans.assign(seconds=plans["executions"] * plans["replay"]).sort_values("seconds", kind="stable")
+    return plans.drop_duplicates([*PROBLEM, "seed"])

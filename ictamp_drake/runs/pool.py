@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from multiprocessing import get_context
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from pebble import ProcessPool
+if TYPE_CHECKING:
+    from pebble import ProcessPool
 
 T = TypeVar("T")
 
@@ -23,7 +24,7 @@ CONTEXT = get_context("spawn")
 class Pool:
     """Processes of this machine; see `engine.Engine`."""
 
-    def __init__(self, processes: ProcessPool) -> None:
+    def __init__(self, processes: "ProcessPool") -> None:
         self._processes = processes
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
@@ -40,6 +41,8 @@ def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Itera
         workers: how many processes.
         start: called in each with the arguments before its first task; calls `end_with_parent`.
     """
+    from pebble import ProcessPool  # noqa: PLC0415  (one problem needs no pool)
+
     for name in THREADS:
         os.environ[name] = "1"  # inherited by the workers, which share the cores already
     processes = ProcessPool(max_workers=workers, initializer=start, initargs=arguments, context=CONTEXT)

@@ -84,7 +84,7 @@ def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console) -> b
     solved = sum(record.solved for record in earlier if record.is_final)
     start = time.monotonic()
     with Progress(console, [job.name for job in todo], len(work.jobs), solved) as progress:
-        complete = sweep(todo, folder, work.conduct, progress)
+        complete = sweep(todo, folder, work.conduct, progress, alone=len(work.jobs) == 1)
     records = _records(work, folder)
     planning = sum(records[job.name].planning_time_s for job in todo if job.name in records)
     console.print(_effort(time.monotonic() - start, planning, work.conduct.engine.here(len(todo))))

@@ -13,6 +13,9 @@ from ictamp_drake.planning.result import StopReason
 from ictamp_drake.runs.board import Board, Running
 from ictamp_drake.runs.records import Record
 
+REFRESH = 5.0
+"""How often what is going on is shown anew [1/s]."""
+
 
 class Progress:
     """Follows a sweep on a console; without a terminal it only prints the lines of finished problems.
@@ -28,10 +31,16 @@ class Progress:
         self._console = console
         self._names = names
         self._total = total
-        self._done = self._earlier = total - len(names)
-        self._solved = solved
+        self._earlier = total - len(names)
+        self._solved_earlier = solved
+        self._records: dict[str, Record] = {}
+        self._board: Board | None = None
         self._start = time.monotonic()
-        self._live = Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else None
+        self._live = (
+            Live(console=console, get_renderable=self._now, refresh_per_second=REFRESH, transient=True)
+            if console.is_terminal
+            else None
+        )
 
     def __enter__(self) -> "Progress":
         if self._live is not None:
@@ -46,14 +55,26 @@ class Progress:
 
     def __call__(self, board: Board, records: Sequence[Record]) -> None:
         """Show what is new; see `sweep.Watch`."""
+        self._board = board
         for record in records:
-            self._done += record.is_final
-            self._solved += record.solved
+            self._records[record.name] = record
             self._console.print(outcome(record), soft_wrap=True)
         if self._live is not None:
-            self._live.update(self._now(board), refresh=True)
+            self._live.refresh()
 
-    def _now(self, board: Board) -> Group:
+    @property
+    def _done(self) -> int:
+        return self._earlier + sum(record.is_final for record in self._records.values())
+
+    @property
+    def _solved(self) -> int:
+        return self._solved_earlier + sum(record.solved for record in self._records.values())
+
+    def _now(self) -> Group:
+        """What is going on; asked for by another thread, since this one may be at work on a problem."""
+        board = self._board
+        if board is None:
+            return Group()
         running = list(board.running())
         table = Table.grid(padding=(0, 2))
         for row in running:

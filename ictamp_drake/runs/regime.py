@@ -67,9 +67,9 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
 
     Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended; `counted`, the same, but the
     time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, `duration`
-    on the arm [s], `replay`, the computing time of executing it alone, `pace`, that of a second of it, and `paced`, the
-    time divided by that, nan when unsolved, not known or of an empty plan; `interference`; and as in the record
-    `failures`, `stages` and `depths`.
+    on the arm [s], `replay`, the computing time of executing it alone, `executions`, how often that was done at least,
+    `pace`, the computing time of a second of it, and `paced`, the time divided by that, nan when unsolved, not known or
+    of an empty plan; `interference`; and as in the record `failures`, `stages` and `depths`.
     """
     strategies = [record.strategy or UNNAMED for record in records]
     levels = [record.level or OWN for record in records]
@@ -87,6 +87,7 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
             "length": [_number(record.plan_length) for record in records],
             "duration": [_number(record.plan_duration_s) for record in records],
             "replay": [_number(record.replay_time_s) for record in records],
+            "executions": [2 if record.cpu_time_s is None else 1 for record in records],
             "interference": [record.interference for record in records],
             "failures": [record.failures for record in records],
             "stages": [record.seconds_by_stage for record in records],

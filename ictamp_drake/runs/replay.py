@@ -1,6 +1,7 @@
 """A plan executed in one go: by one simulator, skill after skill, that is never reset."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import accumulate
 from time import process_time
@@ -15,7 +16,7 @@ class Replay:
     """One execution of a plan.
 
     Attributes:
-        outcomes: where each skill ended.
+        outcomes: where each skill ended; fewer than skills when the contact solver diverged.
         reached: whether all came to rest after each skill, and H of the last configuration holds the goal.
         seconds: processor time of the simulation [s].
     """
@@ -49,11 +50,12 @@ def replay(
     """
     start = process_time()
     outcomes: list[Outcome] = []
-    for attempt in attempts:
-        outcomes.append(physics.proceed(attempt.motion) if outcomes else physics.run(c, attempt.motion))
+    with suppress(RuntimeError):  # the contact solver diverged
+        for attempt in attempts:
+            outcomes.append(physics.proceed(attempt.motion) if outcomes else physics.run(c, attempt.motion))
     seconds = process_time() - start
     end = outcomes[-1].c if outcomes else c
-    settled = all(outcome.settled for outcome in outcomes)
+    settled = len(outcomes) == len(attempts) and all(outcome.settled for outcome in outcomes)
     return Replay(tuple(outcomes), settled and goal <= abstraction(end), seconds)
 
 

@@ -1,11 +1,11 @@
-"""Many jobs at once: isolated workers, a hard limit of time for each job, and a clean end on Ctrl-C."""
+"""Many jobs at once, or one: a hard limit of time for each job, and a clean end on Ctrl-C."""
 
 import shutil
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ictamp_drake.runs.board import Board
@@ -14,7 +14,7 @@ from ictamp_drake.runs.folder import RESULTS
 from ictamp_drake.runs.options import Conduct
 from ictamp_drake.runs.pool import CONTEXT
 from ictamp_drake.runs.records import Record, append
-from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Job, run_job, start_worker
+from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Job, Pages, begin_job, run_job, start_worker
 
 POLL = 0.2
 """Time between two looks at what the workers do [s]."""
@@ -23,12 +23,21 @@ Watch = Callable[[Board, Sequence[Record]], None]
 """Called at least every `POLL` seconds with the board and the records that are new since the last call."""
 
 
-def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch) -> bool:
+def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch, *, alone: bool = False) -> bool:
     """Do all jobs; what each leaves is on the disk before it is told, its record last.
 
     A job whose process dies or exceeds the time limit by more than the grace becomes a record that says so. The first
     Ctrl-C lets the workers of this machine finish the step they are at and ends those of a cluster, the second one ends
     all at once.
+
+    Args:
+        jobs: what is to be done.
+        folder: of the run.
+        conduct: how the run is carried out.
+        watch: is told what happens.
+        alone: whether jobs of this machine are done in this process. That saves the time in which workers start, and
+            the result is told before its pages are made; but a job that dies takes the program with it, and one that
+            hangs in native code for ever cannot be ended.
 
     Returns:
         False when it was interrupted.
@@ -37,8 +46,9 @@ def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch) -> 
     shared = conduct.engine.engine == "local"
     learned = any(job.method.learned for job in jobs)
     start = (start_worker, board if shared else None, learned, conduct.meshcat)
-    with _ctrl_c_stops(board), conduct.engine.start(len(jobs), *start) as engine:
-        _Sweep(jobs, folder, conduct, board, shared, watch).run(engine)
+    watch(board, [])
+    with _ctrl_c_stops(board), conduct.engine.start(len(jobs), *start, alone=alone) as engine:
+        _Sweep(jobs, folder, conduct, board, watch, conduct.engine.is_inline(alone)).run(engine)
     return not board.stopping
 
 
@@ -48,46 +58,72 @@ class _Sweep:
     folder: Path
     conduct: Conduct
     board: Board
-    shared: bool
     watch: Watch
+    inline: bool
+
+    @property
+    def shared(self) -> bool:
+        """Whether workers see the board."""
+        return self.conduct.engine.engine == "local"
 
     def run(self, engine: Engine) -> None:
         """Hand all jobs to the engine, wait for them and tell what comes of them."""
         pending = {self._submitted(engine, slot): slot for slot in range(len(self.jobs))}
         while pending and (self.shared or not self.board.stopping):
             done = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED).done
-            records = [self._kept(future, pending.pop(future)) for future in done]
-            self.watch(self.board, [record for record in records if record is not None])
+            finished = [self._finished(future, pending.pop(future)) for future in done]
+            self.watch(self.board, [self._kept(each) for each in finished if each is not None])
+            for each in finished:
+                if each is not None and each.pages is not None:
+                    self._make_pages(engine, each.record, each.pages)
 
     def _submitted(self, engine: Engine, slot: int) -> Future[Finished | None]:
         job = self.jobs[slot]
         timeout = job.method.time_limit + self.conduct.grace
-        return engine.submit(run_job, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
+        task = begin_job if self.inline else run_job
+        return engine.submit(task, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
 
-    def _kept(self, future: Future[Finished | None], slot: int) -> Record | None:
-        """Write what came of a job, or what is known of one that came to nothing."""
+    def _finished(self, future: Future[Finished | None], slot: int) -> Finished | None:
+        """What came of a job, or what is known of one that came to nothing."""
         try:
-            finished = future.result()
+            return future.result()
         except Exception as error:
-            finished = Finished(self._broken(slot, error), {})
-        if finished is None:
-            return None
+            return Finished(self._broken(slot, error), {})
+
+    def _kept(self, finished: Finished) -> Record:
+        """Write what came of a job."""
         folder = self.folder / finished.record.name
         shutil.rmtree(folder, ignore_errors=True)
-        for name, content in finished.files.items():
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / name).write_bytes(content)
+        _write(finished.files, folder)
         append(finished.record, self.folder / RESULTS)
         return finished.record
+
+    def _make_pages(self, engine: Engine, record: Record, make: Callable[[], Pages]) -> None:
+        """Make the pages of a problem whose record is written; one more record tells of those that fail."""
+        try:
+            files, error = engine.submit(make, timeout=self.conduct.grace).result()
+        except TimeoutError:
+            files, error = {}, f"the pages were given up after {self.conduct.grace:g} s"
+        _write(files, self.folder / record.name)
+        if error is not None:
+            broken = replace(record, error=error)
+            append(broken, self.folder / RESULTS)
+            self.watch(self.board, [broken])
 
     def _broken(self, slot: int, error: Exception) -> Record:
         self.board.finish(slot)
         job = self.jobs[slot]
         if isinstance(error, TimeoutError):
             seconds = job.method.time_limit + self.conduct.grace
-            return job.broken(HUNG, seconds, f"the process was ended after {seconds:g} s")
+            return job.broken(HUNG, seconds, f"ended after {seconds:g} s")
         code = getattr(error, "exitcode", None)
         return job.broken(CRASHED, self.board.seconds(slot), f"the process died: {error!r}, exit code {code}")
+
+
+def _write(files: Mapping[str, bytes], folder: Path) -> None:
+    for name, content in files.items():
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
 
 
 @contextmanager

@@ -19,7 +19,7 @@ BLOCKERS = 4
 
 LEGEND = (
     "Medians over the solved problems: time to a verified plan [s], high-level plans, low-level steps, low-level steps "
-    "for each skill of the plan, planning time / computing time of the replay."
+    "for each skill of the plan, planning time / computing time of executing the plan once."
 )
 
 OBSTACLES = 3
@@ -104,7 +104,7 @@ def unsolved(record: Record) -> Iterator[Text]:
         yield Text(f"  {record.error.strip()}", "red")
         return
     if record.verified is False:
-        yield Text("  a plan was carried out to the goal, but not again when it was replayed as a whole")
+        yield Text("  a plan was carried out to the goal, but failed when it was executed once more")
     for action, refusals in list(record.blocked.items())[:BLOCKERS]:
         yield Text(f"  {blocker(action, refusals, record.obstacles.get(action, {}))}")
     generating = record.seconds_by_stage.get("plan_generator", 0.0)

@@ -1,22 +1,28 @@
-"""What a worker process does: solve one problem after the other. It leaves nothing on the disk."""
+"""What a worker does: solve one problem after the other. It leaves nothing on the disk."""
 
+import gc
 import traceback
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.events import Listener
-from ictamp_drake.runs.artefacts import Artefacts, write_artefacts
+from ictamp_drake.runs.artefacts import Artefacts, write_pages, write_result
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.options import Method
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
 from ictamp_drake.runs.records import Record, record_of, run_name
-from ictamp_drake.runs.solve import Solution, prepare, solve
+from ictamp_drake.runs.solve import Solution, Task, prepare, solve
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.viz.live import LiveView
+
+if TYPE_CHECKING:
+    from ictamp_drake.viz.live import LiveView
 
 CRASHED, HUNG = "CRASHED", "HUNG"
 """Why a problem ended that could not say so itself."""
@@ -41,6 +47,33 @@ class Problem:
             raise IctampError(f"{self.path}: the name of a scene is '{self.name}', but must not begin with a dot")
 
 
+class Prepared(NamedTuple):
+    """A problem that is ready to be solved.
+
+    Attributes:
+        task: the problem.
+        seconds: what its preparation took [s].
+    """
+
+    task: Task
+    seconds: float
+
+    @classmethod
+    def read(cls, path: Path, method: Method) -> "Prepared":
+        """Prepare the problem of a scene file.
+
+        Raises:
+            IctampError: see `solve.prepare`.
+        """
+        _load_modules(learned=False)
+        start = perf_counter()
+        return cls(prepare(path, method), perf_counter() - start)
+
+    def begin(self) -> Task:
+        """The task; what happened since it was prepared does not count as planning time."""
+        return replace(self.task, started=perf_counter() - self.seconds)
+
+
 @dataclass(frozen=True)
 class Job:
     """A problem and how it is to be solved.
@@ -49,11 +82,16 @@ class Job:
         problem: the problem.
         method: options and seed.
         strategy: name of the method, empty when there is only one.
+        prepared: the problem when it was prepared in this process; it does not go to another one.
     """
 
     problem: Problem
     method: Method
     strategy: str = ""
+    prepared: Prepared | None = field(default=None, compare=False, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "prepared": None}
 
     @property
     def name(self) -> str:
@@ -73,23 +111,32 @@ class Job:
         )
 
 
+class Pages(NamedTuple):
+    """What is kept besides the result, content by name; `error` tells what could not be made."""
+
+    files: dict[str, bytes]
+    error: str | None
+
+
 class Finished(NamedTuple):
     """What came of a job.
 
     Attributes:
         record: of it.
         files: what is kept besides, content by name.
+        pages: makes the rest of what is kept; None where there is nothing to make.
     """
 
     record: Record
     files: dict[str, bytes]
+    pages: Callable[[], Pages] | None = None
 
 
 class _Process:
-    """What a worker process keeps between problems."""
+    """What a worker keeps between problems."""
 
     board: Board
-    view: LiveView | None = None
+    view: "LiveView | None" = None
 
 
 def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
@@ -100,46 +147,97 @@ def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
         learned: whether trained networks will be needed.
         meshcat: whether to show what is planned.
     """
-    if learned:
-        import ictamp_drake.learning.models  # noqa: F401, PLC0415
+    _load_modules(learned)
     end_with_parent()
     _Process.board = board or Board(CONTEXT, 1)
+    _Process.view = None
     if meshcat:
+        from ictamp_drake.viz.live import LiveView  # noqa: PLC0415  (only where it is asked for)
+
         _Process.view = LiveView()
         _Process.board.url = _Process.view.url
 
 
+def _load_modules(learned: bool) -> None:
+    if learned:
+        with _without_garbage_collection():  # which finds nothing, and takes a sixth of the time
+            import ictamp_drake.learning.models  # noqa: F401, PLC0415
+
+
+@contextmanager
+def _without_garbage_collection() -> Iterator[None]:
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
 def run_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
-    """Solve a problem; None when the run was stopped before it began.
+    """Solve a problem and make its pages; None when the run was stopped before it began.
 
     Args:
         slot: of the job on the board.
         job: the problem and its method.
         artefacts: what is kept.
     """
+    finished = begin_job(slot, job, artefacts)
+    if finished is None or finished.pages is None:
+        return finished
+    files, error = finished.pages()
+    return Finished(replace(finished.record, error=error), finished.files | files)
+
+
+def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
+    """Solve a problem and leave its pages to be made in this process, see `run_job`."""
     board = _Process.board
     if board.stopping:
         return None
     board.start(slot)
-    record, files = None, dict[str, bytes]()
+    record, files, pages = None, dict[str, bytes](), None
     try:
-        task = prepare(job.problem.path, job.method)
+        task = job.prepared.begin() if job.prepared else prepare(job.problem.path, job.method)
         solution = solve(task, job.method, _listeners(board, slot, task.spec), lambda: board.stopping)
         record = record_of(job.problem.name, job.strategy, job.problem.level, job.method.seed, solution)
-        files = _artefacts(solution, job.problem.name, artefacts)
+        if artefacts != "none":
+            with _folder(job.problem.name) as folder:
+                write_result(solution, folder)
+                files = _contents(folder)
+        if artefacts == "all":
+            pages = partial(_pages, slot, solution, job.problem.name)
     except Exception:
         record = record or job.broken(CRASHED, board.seconds(slot), "")
         record = replace(record, error=traceback.format_exc())
-    board.finish(slot)
-    return Finished(record, files)
+    if pages is None:
+        board.finish(slot)
+    return Finished(record, files, pages)
 
 
-def _artefacts(solution: Solution, name: str, which: Artefacts) -> dict[str, bytes]:
+def _pages(slot: int, solution: Solution, name: str) -> Pages:
+    error = None
+    with _folder(name) as folder:
+        try:
+            write_pages(solution, folder)
+        except Exception:
+            error = traceback.format_exc()
+        files = _contents(folder)
+    _Process.board.finish(slot)
+    return Pages(files, error)
+
+
+@contextmanager
+def _folder(name: str) -> Iterator[Path]:
+    """A folder of that name, which is gone after the block."""
     with TemporaryDirectory() as parent:
         folder = Path(parent) / name
         folder.mkdir()
-        write_artefacts(solution, folder, which)
-        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+        yield folder
+
+
+def _contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
 def _listeners(board: Board, slot: int, spec: SceneSpec) -> list[Listener]:

@@ -1,41 +1,59 @@
 """From YAML text to frozen dataclasses, with errors that say where in the file they are.
 
-`yaml_load_typed` fills mutable, default-constructed objects and names no place in its errors; so it converts one
-field at a time here, and the dataclass, its required fields and its defaults are built around it.
+Drake's `yaml_load_typed` fills mutable, default-constructed objects and names no place in its errors.
 """
 
 import dataclasses
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 import yaml
-from pydrake.common.yaml import yaml_dump, yaml_load_typed
 
 from ictamp_drake.core.errors import IctampError
 
 T = TypeVar("T")
 
 
-class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader, which by itself silently keeps the last of repeated keys and tells no place of a value."""
+class _Strict:
+    """What PyYAML's safe loaders do not do: they keep the last of repeated keys and tell no place of a value."""
 
-    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
-        """A mapping as it is written, before merging (<<) adds to it."""
-        node: yaml.MappingNode = super().compose_mapping_node(anchor)
-        seen = set()
-        for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
-            if key.value in seen:
-                raise IctampError(f"{_line(key)}: '{key.value}' is used twice in one mapping")
-            seen.add(key.value)
+    def get_single_node(self) -> yaml.Node | None:
+        """The document as it is written, before merging (<<) adds to its mappings."""
+        node: yaml.Node | None = super().get_single_node()  # type: ignore[misc]
+        _refuse_repeated(node, set())
         return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         try:
-            return super().construct_object(node, deep)
+            return super().construct_object(node, deep)  # type: ignore[misc]
         except (AttributeError, LookupError, ValueError) as error:
             kind = node.tag.rpartition(":")[2]
             raise IctampError(f"{_line(node)}: not valid YAML: '{node.value}' is no {kind}") from error
+
+
+class _PythonLoader(_Strict, yaml.SafeLoader):
+    """PyYAML's own, whose words for a mistake are the better ones."""
+
+
+class _Loader(_Strict, getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """That of libyaml where it is installed, ten times faster."""
+
+
+def _refuse_repeated(node: yaml.Node | None, seen: set[int]) -> None:
+    """Raise IctampError when a mapping in the node, or it itself, has a key twice; aliases may lead to nodes `seen`."""
+    if isinstance(node, yaml.ScalarNode) or node is None or id(node) in seen:
+        return
+    seen.add(id(node))
+    is_mapping = isinstance(node, yaml.MappingNode)
+    for child in (part for pair in node.value for part in pair) if is_mapping else node.value:
+        _refuse_repeated(child, seen)
+    keys = set()
+    for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)) if is_mapping else ():
+        if key.value in keys:
+            raise IctampError(f"{_line(key)}: '{key.value}' is used twice in one mapping")
+        keys.add(key.value)
 
 
 def _line(node: yaml.Node) -> str:
@@ -62,8 +80,10 @@ def parse(text: str) -> object:
     Raises:
         IctampError: on a syntax error, an impossible value or a key used twice, naming the line.
     """
-    try:
+    with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
         return yaml.load(text, Loader=_Loader)
+    try:
+        return yaml.load(text, Loader=_PythonLoader)
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise IctampError(f"{line}not valid YAML: {error.problem}") from error
@@ -117,13 +137,24 @@ def _value(hint: Any, raw: object, where: str) -> object:
     is_tuple = get_origin(hint) is tuple
     if is_tuple != isinstance(raw, list):
         raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}")
-    leaf = list[get_args(hint)[0]] if is_tuple else hint  # type: ignore[misc]
-    holder = dataclasses.make_dataclass("Field", [("value", leaf, dataclasses.field(default=None))])
     try:
-        value = yaml_load_typed(schema=holder, data=yaml_dump({"value": raw})).value
-    except (RuntimeError, ValueError, TypeError, yaml.YAMLError) as error:
+        if is_tuple:
+            return tuple(_scalar(get_args(hint)[0], item) for item in raw)  # type: ignore[attr-defined]
+        return _scalar(hint, raw)
+    except (ValueError, TypeError, OverflowError) as error:
         raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}") from error
-    return tuple(value) if is_tuple else value
+
+
+def _scalar(kind: type, raw: object) -> object:
+    """A value of the kind: a number may be written as text (YAML takes 1e-3 for one), but nothing else for another."""
+    if type(raw) is kind:
+        return raw
+    if kind is str or type(raw) not in (int, float, str):
+        raise TypeError
+    value = kind(raw)
+    if kind is int and isinstance(raw, float) and value != raw:
+        raise ValueError
+    return value
 
 
 def _described(hint: Any) -> str:

@@ -199,4 +199,4 @@ class _Grip:
     box: str
 
     def __call__(self, segment: Segment, physics: Physics) -> bool:
-        return segment.gripper.force == 0 or physics.gripped() == self.box
+        return segment.gripper.force == 0 or physics.held == self.box

@@ -6,14 +6,9 @@ Every item keeps its place from picture to picture; what is new since the pictur
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
-from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
-
+from ictamp_drake.viz.drawing import Drawing, Point
 from ictamp_drake.viz.layout import FOUND, LABEL, LINE, REFUSED, Layout, Record
-from ictamp_drake.viz.tree import save_picture
 
 COLUMN, ROW, MARGIN, HEADER = 0.42, 0.22, 0.2, 0.3  # sizes on paper [in]
 WIDTH = 13.0  # pictures that are wider together go to the next line [in]
@@ -35,15 +30,13 @@ def draw_growth(tree: Record, path: Path, moments: int = 4) -> None:
     height = max(layout.levels) * ROW + 2 * MARGIN + HEADER
     columns = max(1, min(len(ends) - 1, int(WIDTH / width)))
     lines = -(-(len(ends) - 1) // columns)
-    figure = Figure(figsize=(columns * width, lines * height))
+    paper = Drawing(columns * width, lines * height)
     for number, (before, now) in enumerate(pairwise(ends)):
         line, column = divmod(number, columns)
-        axes = figure.add_axes((column / columns, 1 - (line + 1) / lines, 1 / columns, 1 / lines))
-        axes.set(xlim=(-MARGIN, width - MARGIN), ylim=(MARGIN + HEADER - height, MARGIN + HEADER))
-        axes.set_axis_off()
-        axes.text(-MARGIN / 2, HEADER, _heading(log[:now]), fontsize=7, va="center", color=LABEL)
-        _Moment(layout, axes, before, now, now == len(log)).draw()
-    save_picture(figure, path)
+        x, y = column * width + MARGIN, -line * height - MARGIN - HEADER
+        paper.text((x - MARGIN / 2, y + HEADER), _heading(log[:now]), LABEL)
+        _Moment(layout, paper, x, y, before, now, now == len(log)).draw()
+    paper.save(path)
 
 
 def _heading(log: list[Record]) -> str:
@@ -54,18 +47,21 @@ def _heading(log: list[Record]) -> str:
 
 @dataclass(frozen=True)
 class _Moment:
-    """One picture, placed in inches from the root; y grows upwards.
+    """One picture.
 
     Attributes:
         layout: of the whole search.
-        axes: to draw on.
+        paper: to draw on.
+        x, y: place of the root [in].
         before: entries of the log at the picture before.
         now: entries of the log at this one.
         last: whether the search has ended, so that the way to the goal can be told.
     """
 
     layout: Layout
-    axes: Axes
+    paper: Drawing
+    x: float
+    y: float
     before: int
     now: int
     last: bool
@@ -83,18 +79,18 @@ class _Moment:
         """Opacity of what is as old as that."""
         return 1.0 if born > self.before or self.last else 0.35
 
-    def _place(self, node: int) -> tuple[float, float]:
-        return self.layout.nodes[node]["depth"] * COLUMN, -self.layout.levels[node] * ROW
+    def _place(self, node: int) -> Point:
+        return self.x + self.layout.nodes[node]["depth"] * COLUMN, self.y - self.layout.levels[node] * ROW
 
-    def _draw_edge(self, parent: int, x: float, y: float, **style: Any) -> None:
+    def _edge(self, parent: int, x: float, y: float) -> list[Point]:
         start, above = self._place(parent)
         bend = start + 0.3 * COLUMN
-        self.axes.plot([start, bend, bend, x], [above, above, y, y], solid_joinstyle="round", zorder=1, **style)
+        return [(start, above), (bend, above), (bend, y), (x, y)]
 
     def _draw_stub(self, node: int, item: int, shade: float) -> None:
-        x, y = self._place(node)[0] + 0.6 * COLUMN, -self.layout.levels[item] * ROW
-        self._draw_edge(node, x, y, color=LINE, lw=0.7, ls=(0, (3, 2)), alpha=shade)
-        self.axes.plot(x, y, marker="x", ms=4, mew=1.1, color=REFUSED, alpha=shade, zorder=2)
+        x, y = self._place(node)[0] + 0.6 * COLUMN, self.y - self.layout.levels[item] * ROW
+        self.paper.line(self._edge(node, x, y), LINE, 0.7, dashes=(2.1, 1.4), opacity=shade)
+        self.paper.dot((x, y), 4, shape="cross", edge=REFUSED, width=1.1, opacity=shade)
 
     def _draw_node(self, node: Record) -> None:
         index = node["index"]
@@ -102,10 +98,8 @@ class _Moment:
         color = FOUND if found else LABEL
         x, y = self._place(index)
         if node["parent"] is not None:
-            self._draw_edge(node["parent"], x, y, color=color, lw=1.8 if found else 0.9, alpha=shade)
-        self.axes.plot(x, y, marker="o", ms=9.5, color="white", zorder=2)
-        fill = to_rgba(self.layout.color(self.layout.plan_of.get(index)), shade)
-        edge = to_rgba(color, shade)
-        self.axes.plot(x, y, marker="o", ms=9.5, color=fill, mec=edge, mew=1.4 if found else 0.7, zorder=3)
-        alpha = max(shade, 0.5)
-        self.axes.text(x, y, str(index), ha="center", va="center_baseline", fontsize=5.2, alpha=alpha, zorder=4)
+            self.paper.line(self._edge(node["parent"], x, y), color, 1.8 if found else 0.9, opacity=shade)
+        self.paper.dot((x, y), 9.5)
+        fill = self.layout.color(self.layout.plan_of.get(index))
+        self.paper.dot((x, y), 9.5, fill=fill, edge=color, width=1.4 if found else 0.7, opacity=shade, level=2)
+        self.paper.text((x, y), str(index), "black", anchor="middle", size=5.2, opacity=max(shade, 0.5))

@@ -21,14 +21,18 @@ def keyframes(times: FloatArray, values: FloatArray, tolerance: float) -> list[i
         return [0]
     kept, spans = {0, last}, [(0, last)]
     while spans:
-        start, end = spans.pop()
-        share = (times[start : end + 1] - times[start]) / (times[end] - times[start])
-        line = values[start] + share[:, None] * (values[end] - values[start])
-        error = np.max(np.abs(values[start : end + 1] - line), axis=1)
-        if np.max(error) > tolerance:
-            middle = start + int(np.argmax(error))
-            kept.add(middle)
-            spans += [(start, middle), (middle, end)]
+        begin, end = np.array(spans).T
+        count = end - begin + 1
+        stops = np.cumsum(count)
+        span = np.repeat(np.arange(len(spans)), count)
+        moment = np.arange(len(span)) - (stops - count - begin)[span]
+        share = (times[moment] - times[begin][span]) / (times[end] - times[begin])[span]
+        line = values[begin][span] + share[:, None] * (values[end] - values[begin])[span]
+        error = np.abs(values[moment] - line).max(axis=1)
+        worst = [int(start + np.argmax(error[start:stop])) for start, stop in zip(stops - count, stops, strict=True)]
+        split = [(*spans[span[at]], int(moment[at])) for at in worst if error[at] > tolerance]
+        kept.update(middle for _, _, middle in split)
+        spans = [part for start, stop, middle in split for part in ((start, middle), (middle, stop))]
     return sorted(kept)
 
 

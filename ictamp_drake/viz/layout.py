@@ -8,19 +8,19 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
-
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.viz.drawing import Color, to_rgb
 
 Record = Mapping[str, Any]
 
-Color = tuple[float, float, float]
-
 LABEL, LINE, FOUND, REFUSED = "#333333", "#8a8a8a", "#1a8f3c", "#c62828"
-CAUSE_COLORS: dict[Failure, Color] = dict(
-    zip(Failure, mpl.colormaps["tab20"].colors[::2] + mpl.colormaps["Dark2"].colors, strict=False)  # type: ignore[attr-defined]
-)
-PLAN_COLORS: tuple[Color, ...] = mpl.colormaps["Set3"].colors  # type: ignore[attr-defined]
+_TAB = "1f77b4 ff7f0e 2ca02c d62728 9467bd 8c564b e377c2 7f7f7f bcbd22 17becf"
+_DARK = "1b9e77 d95f02 7570b3 e7298a 66a61e e6ab02 a6761d 666666"
+_PALE = "8dd3c7 ffffb3 bebada fb8072 80b1d3 fdb462 b3de69 fccde5 d9d9d9 bc80bd ccebc5 ffed6f"
+CAUSE_COLORS: dict[Failure, Color] = dict(zip(Failure, map(to_rgb, f"{_TAB} {_DARK}".split()), strict=False))
+"""Matplotlib's tab20, the dark ones, and Dark2."""
+PLAN_COLORS: tuple[Color, ...] = tuple(map(to_rgb, _PALE.split()))
+"""Matplotlib's Set3."""
 
 
 @dataclass(frozen=True)

@@ -1,35 +1,31 @@
 """scene.png: a picture of a configuration, drawn without a graphics card."""
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from matplotlib.image import imsave
 from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Mesh, QueryObject, Role, Shape, Sphere
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.viz.png import png
 from ictamp_drake.viz.raster import Camera, render
-from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, viewpoint
-from ictamp_drake.world.world import World
+from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, Stage, viewpoint
+from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
 
 WIDTH, HEIGHT = 800, 600
 
 
-def scene_png(spec: SceneSpec, c: Configuration, path: Path) -> None:
-    """Write a picture of c; it appears whole or not at all."""
+def scene_png(spec: SceneSpec, c: Configuration, path: Path, stage: Stage | None = None) -> None:
+    """Write a picture of c, of the bodies of the stage if there is one; it appears whole or not at all."""
     temporary = path.with_name(f".{path.name}.partial")
-    imsave(temporary, picture(spec, c), format="png")
+    temporary.write_bytes(png(picture(spec, c, stage)))
     temporary.replace(path)
 
 
-def picture(spec: SceneSpec, c: Configuration) -> np.ndarray:
+def picture(spec: SceneSpec, c: Configuration, stage: Stage | None = None) -> np.ndarray:
     """The scene as it looks in c, shape (HEIGHT, WIDTH, 3), 0 to 255."""
-    world = World(spec)
-    world.set_configuration(c)
-    scene_graph = world.diagram.scene_graph()
-    query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(world.context))
+    stage = stage or Stage(spec)
+    query = stage.shapes(c)
     inspector = query.inspector()
     visible = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kIllustration)
     parts = [_part(query, geometry) for geometry in sorted(visible, key=GeometryId.get_value)]
@@ -54,21 +50,13 @@ def _triangles(shape: Shape) -> tuple[FloatArray, FloatArray | None]:
     """Triangles in the shape's frame, and their colour where the shape brings one."""
     match shape:
         case Mesh():
-            return _mesh(shape.source().path())
+            return read_gltf(shape.source().path())
         case Box():
-            return trimesh.creation.box(shape.size()).triangles, None
+            return box(shape.size()), None
         case Sphere():
-            return trimesh.creation.icosphere(radius=shape.radius()).triangles, None
+            return capsule(shape.radius(), 0.0), None
         case Cylinder():
-            return trimesh.creation.cylinder(shape.radius(), shape.length()).triangles, None
+            return cylinder(shape.radius(), shape.length()), None
         case Capsule():
-            return trimesh.creation.capsule(shape.length(), shape.radius()).triangles, None
+            return capsule(shape.radius(), shape.length()), None
     raise TypeError(f"cannot draw {shape}")
-
-
-@cache
-def _mesh(path: Path) -> tuple[FloatArray, FloatArray]:
-    (mesh,) = trimesh.load_scene(path).geometry.values()
-    x, y, z = np.moveaxis(mesh.triangles, -1, 0)
-    colour = np.array(mesh.visual.material.baseColorFactor[:3]) / 255
-    return np.stack([x, -z, y], axis=-1), colour  # glTF's y axis is up

@@ -59,12 +59,11 @@ def render(triangles: FloatArray, colours: FloatArray, camera: Camera, backgroun
     shaded = colours[seen] * _brightness(normals[seen])[:, None]
     rows = np.linspace(0, len(background) - 1, camera.shape[0])
     backdrop = np.stack([np.interp(rows, np.arange(len(background)), channel) for channel in background.T], axis=1)
-    image = np.repeat(backdrop[:, None], camera.shape[1], axis=1)
     front = _front(camera.project(triangles[seen]), camera.shape)
-    image[front >= 0] = shaded[front[front >= 0]]
-    height, width = camera.shape
-    averaged = image.reshape(height // _SAMPLES, _SAMPLES, width // _SAMPLES, _SAMPLES, 3).mean(axis=(1, 3))
-    return np.round(255 * np.clip(averaged, 0, 1)).astype(np.uint8)
+    palette = np.concatenate([shaded, backdrop])
+    shown = np.where(front < 0, len(shaded) + np.arange(len(front))[:, None], front)
+    samples = [palette.take(shown[i::_SAMPLES, j::_SAMPLES], axis=0) for i in range(_SAMPLES) for j in range(_SAMPLES)]
+    return np.round(255 * np.clip(sum(samples) / len(samples), 0, 1)).astype(np.uint8)
 
 
 def _brightness(normals: FloatArray) -> FloatArray:
@@ -74,15 +73,20 @@ def _brightness(normals: FloatArray) -> FloatArray:
 def _front(corners: FloatArray, shape: tuple[int, int]) -> NDArray[np.int64]:
     """Index of the triangle that each sample shows, -1 for none."""
     planes = _planes(corners)
-    triangle, x, y = _covering_boxes(corners, shape)
-    for edge in range(3):
-        inside = _evaluate(planes[triangle, edge], x, y) >= 0
-        triangle, x, y = triangle[inside], x[inside], y[inside]
-    nearness = np.einsum("ti,tij->tj", 1 / corners[..., 2], planes)  # 1 / depth is linear in the picture
-    order = np.argsort(_evaluate(nearness[triangle], x, y))
-    front = np.full(shape, -1)
-    front[y[order], x[order]] = triangle[order]  # the last one written, the nearest, stays
-    return front
+    triangle, y = _rows(corners, shape[0])
+    first, end = _spans(planes[triangle], y, shape[1])
+    count = end - first
+    row = np.repeat(np.arange(len(y)), count)
+    x = np.arange(len(row)) - np.repeat(np.cumsum(count) - count - first, count)
+    slope, rest = _along(np.einsum("ti,tij->tj", 1 / corners[..., 2], planes)[triangle], y)
+    nearness = slope[row] * (x + 0.5) + rest[row]  # 1 / depth is linear in the picture
+    place = y[row] * shape[1] + x
+    nearest = np.full(shape[0] * shape[1], -np.inf)
+    np.maximum.at(nearest, place, nearness)
+    shown = nearness == nearest[place]
+    front = np.full(len(nearest), -1)
+    front[place[shown]] = triangle[row[shown]]
+    return front.reshape(shape)
 
 
 def _planes(corners: FloatArray) -> FloatArray:
@@ -92,17 +96,34 @@ def _planes(corners: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.inv(flat), dtype=np.float64)
 
 
-def _evaluate(planes: FloatArray, x: NDArray[np.int64], y: NDArray[np.int64]) -> FloatArray:
-    return planes[:, 0] * (x + 0.5) + planes[:, 1] * (y + 0.5) + planes[:, 2]
-
-
-def _covering_boxes(corners: FloatArray, shape: tuple[int, int]) -> tuple[NDArray[np.int64], ...]:
-    """Every sample (triangle, x, y) in the box around every triangle."""
-    limits = np.array(shape[::-1])
-    low = np.clip(np.ceil(corners[..., :2].min(axis=1) - 0.5), 0, limits).astype(int)
-    high = np.clip(np.floor(corners[..., :2].max(axis=1) + 0.5), low, limits).astype(int)
-    width, height = (high - low).T
-    count = width * height
+def _rows(corners: FloatArray, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Every row of samples that every triangle may cover: the triangle and the row."""
+    low = np.clip(np.ceil(corners[..., 1].min(axis=1) - 0.5), 0, height).astype(int)
+    high = np.clip(np.floor(corners[..., 1].max(axis=1) + 0.5), low, height).astype(int)
+    count = high - low
     triangle = np.repeat(np.arange(len(corners)), count)
-    rank = np.arange(len(triangle)) - np.repeat(np.cumsum(count) - count, count)
-    return triangle, low[triangle, 0] + rank % width[triangle], low[triangle, 1] + rank // width[triangle]
+    return triangle, np.arange(len(triangle)) - np.repeat(np.cumsum(count) - count - low, count)
+
+
+def _spans(planes: FloatArray, y: NDArray[np.int64], width: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First sample of each row that is inside, and the one after the last; the same one when there is none.
+
+    Args:
+        planes: of the row's triangle, shape (n, 3, 3).
+        y: the rows, shape (n,).
+        width: of the picture [samples].
+    """
+    slope, rest = _along(planes, y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        edge = -rest / slope
+    outside = np.where((slope == 0) & (rest < 0), np.inf, -np.inf)
+    low = np.where(slope > 0, edge, outside).max(axis=1)
+    high = np.where(slope < 0, edge, np.inf).min(axis=1)
+    first = np.clip(np.ceil(low - 0.5), 0, width)
+    return first.astype(int), np.clip(np.floor(high - 0.5) + 1, first, width).astype(int)
+
+
+def _along(planes: FloatArray, y: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """What a plane (..., 3) is on a row of samples: slope and value at the left end, shape (...) each."""
+    middle = (y + 0.5).reshape(-1, *[1] * (planes.ndim - 2))
+    return planes[..., 0], planes[..., 1] * middle + planes[..., 2]

@@ -35,7 +35,9 @@ def plan_captions(attempts: Sequence[Attempt[Any]], starts: Sequence[float]) -> 
     return result
 
 
-def replay_html(spec: SceneSpec, frames: Sequence[Frame], captions: Sequence[Caption], path: Path) -> None:
+def replay_html(
+    spec: SceneSpec, frames: Sequence[Frame], captions: Sequence[Caption], path: Path, *, stage: Stage | None = None
+) -> None:
     """Write the page; it appears whole or not at all.
 
     Args:
@@ -43,12 +45,12 @@ def replay_html(spec: SceneSpec, frames: Sequence[Frame], captions: Sequence[Cap
         frames: the recording, in the order of time; its start is the page's time 0.
         captions: texts to show, in the recording's time.
         path: of the page.
+        stage: of the scene, if there is one; it keeps the animation.
     """
-    meshcat = start_meshcat()
-    stage = Stage(spec, meshcat)
+    stage = stage or Stage(spec, start_meshcat())
     stage.show(frames[0].c)
-    meshcat.SetAnimation(_animation(stage, frames))
-    write_page(add_captions(meshcat.StaticHtml(), captions), path)
+    stage.meshcat.SetAnimation(_animation(stage, frames))
+    write_page(add_captions(stage.meshcat.StaticHtml(), captions), path)
 
 
 def _animation(stage: Stage, frames: Sequence[Frame]) -> MeshcatAnimation:

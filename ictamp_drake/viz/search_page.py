@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_hex
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.planning.tree import Step, Tree
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.viz.drawing import to_hex
 from ictamp_drake.viz.layout import CAUSE_COLORS, Layout, Record
 from ictamp_drake.viz.page import add_to_body, resource, to_script, write_page
 from ictamp_drake.viz.stage import Stage, start_meshcat
@@ -34,6 +34,8 @@ def search_html(
     recordings: Mapping[int, Sequence[Frame]],
     path: Path,
     title: str = "",
+    *,
+    stage: Stage | None = None,
 ) -> None:
     """Write the page; it appears whole or not at all.
 
@@ -44,9 +46,9 @@ def search_html(
             where it ended.
         path: of the page.
         title: name of the search.
+        stage: of the scene, if there is one, which holds no animation.
     """
-    meshcat = start_meshcat()
-    stage = Stage(spec, meshcat)
+    stage = stage or Stage(spec, start_meshcat())
     stage.show(tree.root.c)
     data = {
         "title": title,
@@ -63,7 +65,7 @@ def search_html(
     }
     scripts = "\n".join(resource(f"search/{name}.js") for name in SCRIPTS)
     script = f"<script>const record = {to_script(data)};\n{scripts}</script>"
-    write_page(add_to_body(meshcat.StaticHtml(), resource("search/page.html") + script), path)
+    write_page(add_to_body(stage.meshcat.StaticHtml(), resource("search/page.html") + script), path)
 
 
 def _layout(layout: Layout) -> Record:

@@ -6,7 +6,14 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import Meshcat, MeshcatParams, MeshcatVisualizer, MeshcatVisualizerParams, Role
+from pydrake.geometry import (
+    Meshcat,
+    MeshcatParams,
+    MeshcatVisualizer,
+    MeshcatVisualizerParams,
+    QueryObject,
+    Role,
+)
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.planning import RobotDiagramBuilder
 
@@ -104,19 +111,31 @@ def _corners(support: SupportSpec) -> FloatArray:
 
 
 class Stage:
-    """The bodies of a scene in Meshcat, as they look (not as they collide)."""
+    """The bodies of a scene as they look (not as they collide), in Meshcat if one is given."""
 
-    def __init__(self, spec: SceneSpec, meshcat: Meshcat) -> None:
+    def __init__(self, spec: SceneSpec, meshcat: Meshcat | None = None) -> None:
+        self._meshcat = meshcat
         builder = RobotDiagramBuilder(time_step=0.0)
-        self._bodies = add_scene(builder.plant(), spec)
+        self._bodies = add_scene(builder.plant(), spec, visible=True)
         builder.plant().Finalize()
-        parameters = MeshcatVisualizerParams(role=Role.kIllustration, prefix=PREFIX)
-        MeshcatVisualizer.AddToBuilder(builder.builder(), builder.scene_graph(), meshcat, parameters)
+        if meshcat is not None:
+            parameters = MeshcatVisualizerParams(role=Role.kIllustration, prefix=PREFIX)
+            MeshcatVisualizer.AddToBuilder(builder.builder(), builder.scene_graph(), meshcat, parameters)
+            meshcat.SetCameraPose(*viewpoint(spec))
         self._diagram = builder.Build()
         self._context = self._diagram.CreateDefaultContext()
         self._plant = self._diagram.plant()
         self._plant_context = self._plant.GetMyMutableContextFromRoot(self._context)
-        meshcat.SetCameraPose(*viewpoint(spec))
+        instances = [self._bodies.arm, *(body.model_instance() for body in self._bodies.boxes.values())]
+        bodies = [self._plant.get_body(i) for instance in instances for i in self._plant.GetBodyIndices(instance)]
+        self._moving = {f"{PREFIX}/{body.scoped_name()}".replace("::", "/"): body for body in bodies}
+
+    @property
+    def meshcat(self) -> Meshcat:
+        """Where the bodies are shown."""
+        if self._meshcat is None:
+            raise ValueError("this stage has no Meshcat")
+        return self._meshcat
 
     def show(self, c: Configuration) -> None:
         """Move the bodies in Meshcat to where they are in c."""
@@ -126,12 +145,14 @@ class Stage:
     def poses(self, c: Configuration) -> dict[str, RigidTransform]:
         """X_WB in c of every body that can move, by its path in Meshcat."""
         self._set(c)
-        instances = [self._bodies.arm, *(body.model_instance() for body in self._bodies.boxes.values())]
-        bodies = [self._plant.get_body(i) for instance in instances for i in self._plant.GetBodyIndices(instance)]
-        return {
-            f"{PREFIX}/{body.scoped_name()}".replace("::", "/"): body.EvalPoseInWorld(self._plant_context)
-            for body in bodies
-        }
+        return {path: body.EvalPoseInWorld(self._plant_context) for path, body in self._moving.items()}
+
+    def shapes(self, c: Configuration) -> QueryObject:
+        """The shapes that are drawn, where they are in c; valid until the next call of any method."""
+        self._set(c)
+        scene_graph = self._diagram.scene_graph()
+        query: QueryObject = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(self._context))
+        return query
 
     def _set(self, c: Configuration) -> None:
         self._plant.SetPositions(self._plant_context, self._bodies.arm, c.q)

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.viz.keyframes import keyframes, same_hemisphere
 from ictamp_drake.viz.stage import Stage
-from ictamp_drake.world.poses import to_pose
 from ictamp_drake.world.simulate import Frame
 
 TOLERANCE = 5e-4
@@ -31,7 +31,10 @@ def tracks(stage: Stage, frames: Sequence[Frame]) -> dict[str, Track]:
     """The track of every body that can move, by its path in Meshcat; a body that stands still has one key."""
     times = np.array([frame.time for frame in frames])
     shown = [stage.poses(frame.c) for frame in frames]
-    return {path: _track(times, np.array([to_pose(poses[path]) for poses in shown])) for path in shown[0]}
+    X_WB = np.array([[X.GetAsMatrix34() for X in poses.values()] for poses in shown])
+    quaternions = Rotation.from_matrix(X_WB[..., :3].reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    poses = np.concatenate([quaternions.reshape(*X_WB.shape[:2], 4), X_WB[..., 3]], axis=-1)
+    return {path: _track(times, poses[:, body]) for body, path in enumerate(shown[0])}
 
 
 def _track(times: FloatArray, poses: FloatArray) -> Track:

@@ -1,7 +1,9 @@
 """From a scene's specification to bodies in a Drake plant."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from pydrake.geometry import (
@@ -21,13 +23,11 @@ from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
-from ictamp_drake.models import add_package
 from ictamp_drake.models.contact import SUPPORT
+from ictamp_drake.models.package import PACKAGE_FILE, add_package
 from ictamp_drake.models.shapes import box_sdf, rack_sdf, rim_contacts, table_sdf
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
-
-PANDA_URL = "package://ictamp_drake/sdf/panda.sdf"
 
 SKIN = 5e-5
 """How much smaller boxes are in queries than they are, on every side [m]: faces that touch within 1e-7 m make the
@@ -35,6 +35,8 @@ narrow phase fail or return directions at random, and resting boxes ought to be 
 
 FINEST_RIM = 0.0075
 """Least distance between two contact points along the rim of a support [m]."""
+_VISUAL = re.compile(r"<visual\b.*?</visual>", re.DOTALL)
+_COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
 
 SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
@@ -58,47 +60,62 @@ class SceneBodies:
     supports: Mapping[str, RigidBody]
 
 
-def add_arm(plant: MultibodyPlant, spec: SceneSpec) -> ModelInstanceIndex:
+def add_arm(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) -> ModelInstanceIndex:
     """Add the Panda with its hand where it stands in the scene to a plant that is not finalised."""
     parser = Parser(plant)
-    add_package(parser)
-    (arm,) = parser.AddModelsFromUrl(PANDA_URL)
+    arm = add_panda(parser, visible=visible)
     base = plant.GetBodyByName("panda_link0", arm)
     plant.WeldFrames(plant.world_frame(), base.body_frame(), to_transform(spec.arm.X_WB))
     return arm
 
 
-def add_scene(plant: MultibodyPlant, spec: SceneSpec) -> SceneBodies:
+def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) -> SceneBodies:
     """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification.
 
-    A discrete plant, which is there for the physics of contact, also gets the rims of the supports.
+    Args:
+        plant: of the scene.
+        spec: the scene.
+        visible: whether the bodies get the shapes that are drawn, in the place of those that collide.
     """
-    arm = add_arm(plant, spec)
+    arm = add_arm(plant, spec, visible=visible)
     parser = Parser(plant)
     supports = {}
     for name, support in sorted(spec.supports.items()):
-        supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size))
+        supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size), visible)
         plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
     boxes = {}
     for name, box in sorted(spec.boxes.items()):
-        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.colour))
+        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.colour), visible)
         plant.SetDefaultFloatingBaseBodyPose(boxes[name], to_transform(box.X_WO))
-    if plant.time_step() > 0.0:
-        _add_rims(plant, spec)
     fingers = (plant.GetBodyByName("panda_leftfinger", arm), plant.GetBodyByName("panda_rightfinger", arm))
     return SceneBodies(arm, plant.GetBodyByName("panda_hand", arm), fingers, boxes, supports)
 
 
-def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str) -> RigidBody:
-    (instance,) = parser.AddModelsFromString(sdf, "sdf")
+def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
+    """Add the arm with its hand, not welded to anything; with the shapes that are drawn or with those that collide."""
+    add_package(parser)
+    (arm,) = parser.AddModelsFromString(_panda_sdf(visible), "sdf")
+    return arm
+
+
+@cache
+def _panda_sdf(visible: bool) -> str:
+    """Drake takes 0.03 s longer to parse a file than to parse its text."""
+    text = (PACKAGE_FILE.parent / "sdf" / "panda.sdf").read_text(encoding="utf-8")
+    return _with_shapes(text, visible)
+
+
+def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, visible: bool) -> RigidBody:
+    (instance,) = parser.AddModelsFromString(_with_shapes(sdf, visible), "sdf")
     return plant.get_body(plant.GetBodyIndices(instance)[0])
 
 
-def _add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
-    """Add contact points along the rims of supports, which carry what overhangs.
+def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
+    """Add contact points along the rims of the supports, which carry what overhangs.
 
     They are half as far apart as the shortest side of a box is long, so there is one beneath a box on either side of
-    its centre wherever it overhangs. They belong to the world: Drake updates the poses of all others at every step.
+    its centre wherever it overhangs. They belong to the world, since Drake updates the poses of all others at every
+    step. With them no joint may be locked: Drake 1.51 reads out of bounds when the world is touched then.
     """
     spacing = max(FINEST_RIM, min(min(box.size) for box in spec.boxes.values()) / 2)
     surface = ProximityProperties()
@@ -111,6 +128,11 @@ def _add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
         for shape in rim_contacts(support.size, spacing):
             X_WS = X_WT @ RigidTransform(np.array(shape.xyz))
             plant.RegisterCollisionGeometry(world, X_WS, Sphere(*shape.size), f"{name}_{shape.name}", surface)
+
+
+def _with_shapes(sdf: str, visible: bool) -> str:
+    """The model without the shapes of the other kind, which take a third of the time to parse it."""
+    return (_COLLISION if visible else _VISUAL).sub("", sdf)
 
 
 def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:

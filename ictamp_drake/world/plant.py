@@ -1,4 +1,4 @@
-"""A discrete plant of the arm, alone or among everything else, with the controllers that follow a motion."""
+"""Discrete plants of the arm, alone or in its scene, with the controllers that follow a motion."""
 
 from collections.abc import Callable
 
@@ -18,6 +18,8 @@ from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial, Trajectory
 
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.world.build import SceneBodies, add_rims, add_scene, filter_flat_contacts
 
 IntArray = NDArray[np.intp]
 
@@ -107,3 +109,44 @@ class SimulatedPlant:
         """Where a model's velocities are in `x`."""
         numbers = np.arange(self.plant.num_velocities(), dtype=float)
         return self.plant.num_positions() + self.plant.GetVelocitiesFromArray(instance, numbers).astype(np.intp)
+
+
+class SimulatedScene(SimulatedPlant):
+    """The arm and everything around it.
+
+    Attributes:
+        bodies: what the scene consists of.
+    """
+
+    bodies: SceneBodies
+
+    def __init__(
+        self, spec: SceneSpec, config: MultibodyPlantConfig, gains: tuple[FloatArray, FloatArray], *, rims: bool
+    ) -> None:
+        """Build the plant; with `rims` the supports carry what overhangs them, and no joint may be locked."""
+
+        def add(plant: MultibodyPlant) -> ModelInstanceIndex:
+            self.bodies = add_scene(plant, spec)
+            if rims:
+                add_rims(plant, spec)
+            return self.bodies.arm
+
+        super().__init__(config, add, gains, lambda plant, graph: filter_flat_contacts(plant, graph, self.bodies))
+        self._boxes = {body.index(): name for name, body in self.bodies.boxes.items()}
+        self._fingers = [body.index() for body in self.bodies.fingers]
+
+    def gripped(self, force: float) -> str | None:
+        """The box that each finger presses with a force [N] at least, if any, as of the last step."""
+        results = self.plant.get_contact_results_output_port().Eval(self.context)
+        forces: dict[str, list[float]] = {name: [0.0, 0.0] for name in self.bodies.boxes}
+        for i in range(results.num_point_pair_contacts()):
+            contact = results.point_pair_contact_info(i)
+            for one, other in (
+                (contact.bodyA_index(), contact.bodyB_index()),
+                (contact.bodyB_index(), contact.bodyA_index()),
+            ):
+                if one in self._fingers and other in self._boxes:
+                    pressed = float(np.linalg.norm(contact.contact_force()))
+                    forces[self._boxes[other]][self._fingers.index(one)] += pressed
+        held = [name for name, pair in forces.items() if min(pair) >= force]
+        return held[0] if held else None

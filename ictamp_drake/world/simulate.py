@@ -3,21 +3,21 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Literal, NamedTuple
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant, MultibodyPlantConfig
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.plant import MultibodyPlantConfig
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Recording, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.scenes.checks import check_fields, check_vector
-from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.world.build import add_arm, add_scene, filter_flat_contacts
+from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obeyed_at, stand_still
-from ictamp_drake.world.plant import SimulatedPlant
+from ictamp_drake.world.lookout import Lookout
+from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
 from ictamp_drake.world.poses import normalised
-from ictamp_drake.world.sleep import Sleepers
+from ictamp_drake.world.sleep import NEAR, Sleepers
 from ictamp_drake.world.world import World
 
 
@@ -77,6 +77,20 @@ class PhysicsConfig:
         """A simulator of the scene."""
         return Physics(world, self)
 
+    def contact(self) -> MultibodyPlantConfig:
+        """The plant's time step and its model of contact."""
+        return MultibodyPlantConfig(
+            time_step=self.time_step,
+            contact_model="point",
+            discrete_contact_approximation=self.contact_approximation,
+            sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
+        )
+
+    def gains(self) -> tuple[FloatArray, FloatArray]:
+        """Stiffness and damping of the controllers of 7 joints and 2 fingers, each of shape (9,)."""
+        stiffness = np.array([*self.arm_stiffness, *2 * [self.finger_stiffness]])
+        return stiffness, np.array([*self.arm_damping, *2 * [self.finger_damping]])
+
     def steps(self, seconds: float) -> int:
         """Number of time steps that last at least so long; what sums of durations are rounded by adds none."""
         return math.ceil(seconds / self.time_step - 1e-6)
@@ -122,35 +136,28 @@ class Physics:
 
     def __init__(self, world: World, config: PhysicsConfig) -> None:
         self.config = config
-        spec = world.spec
-        gains = (
-            np.array([*config.arm_stiffness, *2 * [config.finger_stiffness]]),
-            np.array([*config.arm_damping, *2 * [config.finger_damping]]),
-        )
-        contact = MultibodyPlantConfig(
-            time_step=config.time_step,
-            contact_model="point",
-            discrete_contact_approximation=config.contact_approximation,
-            sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
-        )
-        self._scene = SimulatedPlant(
-            contact,
-            lambda plant: self._add_scene(plant, spec),
-            gains,
-            lambda plant, scene_graph: filter_flat_contacts(plant, scene_graph, self.bodies),
-        )
+        self._world = world
+        self._scene = self._plain = self._build(rims=False)
+        contact = config.contact()
         contact.use_sampled_output_ports = False  # no forces of contact to keep
-        self._arm = SimulatedPlant(contact, lambda plant: add_arm(plant, spec), gains, None)
-        self._sleepers = Sleepers(self._scene, self.bodies, world)
-        self._boxes = {name: self._scene.positions(body.model_instance()) for name, body in self.bodies.boxes.items()}
-        self._q = self._scene.positions(self.bodies.arm)
-        self._arm_x = np.concatenate([self._q, self._scene.velocities(self.bodies.arm)])
+        self._arm = SimulatedPlant(contact, partial(add_arm, spec=world.spec), config.gains(), None)
+        self._sleepers = Sleepers(self._plain)
+        self._lookout = Lookout(world)
+        bodies = self._plain.bodies
+        self._boxes = {name: self._plain.positions(body.model_instance()) for name, body in bodies.boxes.items()}
+        self._q = self._plain.positions(bodies.arm)
+        self._arm_x = np.concatenate([self._q, self._plain.velocities(bodies.arm)])
         self._command = (HOME, GripperCommand(GRIPPER_MAX_WIDTH))
+        self._held: str | None = None
         self._looked = (self._scene.x, self._scene.x)
 
-    def _add_scene(self, plant: MultibodyPlant, spec: SceneSpec) -> ModelInstanceIndex:
-        self.bodies = add_scene(plant, spec)
-        return self.bodies.arm
+    def _build(self, *, rims: bool) -> SimulatedScene:
+        return SimulatedScene(self._world.spec, self.config.contact(), self.config.gains(), rims=rims)
+
+    @cached_property
+    def _rimmed(self) -> SimulatedScene:
+        """The scene with contact points along the rims of supports, for boxes that overhang them."""
+        return self._build(rims=True)
 
     def run(
         self, c: Configuration, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True
@@ -172,23 +179,29 @@ class Physics:
 
     def proceed(self, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True) -> Outcome:
         """Execute a motion from where the last one ended; see `run`."""
-        before = self._scene.x, self._command
-        try:
-            return self._execute(motion, watch, record, sleep=self.config.sleep)
-        except _SleeperTouchedError:
-            self._sleepers.wake()
-            self._scene.x, self._command = before
-            return self._execute(motion, watch, record, sleep=False)
+        before = self.configuration()
+        sleep, rims = self.config.sleep, self._lookout.overhang(self._positions(), self._boxes)
+        while True:
+            if rims != (self._scene is not self._plain):
+                self._scene = self._rimmed if rims else self._plain
+                self._load(before)
+            try:
+                return self._execute(motion, watch, record, sleep=sleep and not rims)
+            except _SleeperTouchedError:
+                sleep = False
+            except _OverhangError:
+                rims = True
+            self._load(before)
 
     def _load(self, c: Configuration) -> None:
         self._sleepers.wake()
-        self._command = (c.commanded, c.gripper)
+        self._command, self._held = (c.commanded, c.gripper), c.held
         x = np.zeros(self._scene.x.size)
         x[self._q] = c.q
         for name, places in self._boxes.items():
             x[places] = c.poses[name]
         if c.x is not None:
-            if self._view(c.x) != Configuration(c.q, c.poses):
+            if c.x.shape != x.shape or self._view(c.x) != Configuration(c.q, c.poses):
                 raise ValueError("x of the configuration belongs to other positions of the arm or the boxes")
             x = c.x
         self._scene.x = x
@@ -198,6 +211,7 @@ class Physics:
 
         Raises:
             _SleeperTouchedError: something that slept was touched.
+            _OverhangError: a box overhangs, and the scene has no rims.
         """
         config = self.config
         period = max(1, round(config.record_period / config.time_step))
@@ -235,11 +249,12 @@ class Physics:
 
     def _choose(self, touches: frozenset[str] | None, step: int) -> SimulatedPlant:
         """Let all boxes sleep that may, None lets none, and make the plant ready that simulates what is awake."""
-        simulated = self._scene
+        simulated: SimulatedPlant = self._scene
         if touches is None:
             self._sleepers.wake()
         else:
-            awake = self._sleepers.connected(self._scene.x, touches | self._moving() | self._gathering_speed())
+            near = self._lookout.touches(self._positions(), NEAR)
+            awake = self._sleepers.connected(near, touches | self._moving() | self._gathering_speed())
             self._sleepers.let_sleep(frozenset(self._boxes) - awake)
             if not touches and not awake:
                 simulated = self._arm
@@ -263,6 +278,7 @@ class Physics:
 
         Raises:
             _SleeperTouchedError: something that sleeps was touched.
+            _OverhangError: a box overhangs, and the scene has no rims.
         """
         step, *later = looks
         simulated = self._choose(touches, step) if later else self._scene
@@ -274,11 +290,23 @@ class Physics:
                 self._scene.x = x
             self._looked = self._looked[1], x
             tape.add(step, x)
-            if self._sleepers.disturbed(x, arm_alone=simulated is self._arm):
-                raise _SleeperTouchedError
+            self._look(arm_alone=simulated is self._arm)
             if until_rest and not self._moving():
                 break
+        if later:
+            self._held = None if simulated is self._arm else self._scene.gripped(self.config.min_pad_force)
         return step
+
+    def _look(self, *, arm_alone: bool) -> None:
+        """Raise when there is contact with what sleeps, or a box that overhangs in a scene without rims."""
+        q = self._positions()
+        if self._sleepers.asleep and self._sleepers.disturbed(self._lookout.passing(q), arm_alone=arm_alone):
+            raise _SleeperTouchedError
+        if self._scene is self._plain and self._lookout.overhang(q, self._boxes.keys() - self._sleepers.asleep):
+            raise _OverhangError
+
+    def _positions(self) -> FloatArray:
+        return self._scene.x[: self._scene.plant.num_positions()]
 
     def _moving(self) -> frozenset[str]:
         """The boxes that are not at rest."""
@@ -289,10 +317,15 @@ class Physics:
         before, now = self._looked
         return self._sleepers.accelerating(before, now, self.config.rest_speed / 20, self.config.rest_turn / 20)
 
+    @property
+    def held(self) -> str | None:
+        """The box that both fingers press, if any."""
+        return self._held
+
     def configuration(self) -> Configuration:
         """The configuration at this moment."""
         x, (commanded, gripper) = self._scene.x, self._command
-        return replace(self._view(x), held=self.gripped(), gripper=gripper, commanded=commanded, x=x)
+        return replace(self._view(x), held=self._held, gripper=gripper, commanded=commanded, x=x)
 
     def frames(self, recording: Recording) -> list[Frame]:
         """What there is to see at the times of a recording."""
@@ -304,26 +337,13 @@ class Physics:
         x = self._scene.x if x is None else x
         return Configuration(x[self._q], {name: normalised(x[places]) for name, places in self._boxes.items()})
 
-    def gripped(self) -> str | None:
-        """The box that both fingers press, if any, as of the last step in which the scene was simulated."""
-        results = self._scene.plant.get_contact_results_output_port().Eval(self._scene.context)
-        fingers = [body.index() for body in self.bodies.fingers]
-        forces: dict[str, list[float]] = {name: [0.0, 0.0] for name in self.bodies.boxes}
-        names = {body.index(): name for name, body in self.bodies.boxes.items()}
-        for i in range(results.num_point_pair_contacts()):
-            contact = results.point_pair_contact_info(i)
-            for one, other in (
-                (contact.bodyA_index(), contact.bodyB_index()),
-                (contact.bodyB_index(), contact.bodyA_index()),
-            ):
-                if one in fingers and other in names:
-                    forces[names[other]][fingers.index(one)] += float(np.linalg.norm(contact.contact_force()))
-        held = [name for name, pair in forces.items() if min(pair) >= self.config.min_pad_force]
-        return held[0] if held else None
-
 
 class _SleeperTouchedError(Exception):
     """Something that is awake touched something that sleeps."""
+
+
+class _OverhangError(Exception):
+    """A box reaches beyond the rim of the support that it touches."""
 
 
 class _Tape:

@@ -1,13 +1,12 @@
 """Boxes that need not be simulated: at rest, and touched by nothing that moves."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.world.build import SceneBodies
-from ictamp_drake.world.plant import SimulatedPlant
-from ictamp_drake.world.world import ROBOT, Touch, World
+from ictamp_drake.world.plant import SimulatedScene
+from ictamp_drake.world.world import ROBOT, Touch
 
 NEAR = 1e-3
 """Boxes at most this far apart count as touching [m]: neither sleeps while the other is awake."""
@@ -17,16 +16,18 @@ class Sleepers:
     """The sleeping boxes of a simulated scene.
 
     Their joints are locked, so that they are as firm as a wall. Contact with what is awake stays, and can be noticed.
+
+    Attributes:
+        asleep: names of the sleeping boxes.
     """
 
-    def __init__(self, simulated: SimulatedPlant, bodies: SceneBodies, world: World) -> None:
-        plant = simulated.plant
-        instances = {name: body.model_instance() for name, body in bodies.boxes.items()}
-        self._context = simulated.context
-        self._world = world
+    def __init__(self, scene: SimulatedScene) -> None:
+        plant = scene.plant
+        instances = {name: body.model_instance() for name, body in scene.bodies.boxes.items()}
+        self._context = scene.context
         self._joints = {name: plant.get_joint(plant.GetJointIndices(at)[0]) for name, at in instances.items()}
-        self._velocities = {name: simulated.velocities(at) for name, at in instances.items()}
-        self._asleep: frozenset[str] = frozenset()
+        self._velocities = {name: scene.velocities(at) for name, at in instances.items()}
+        self.asleep: frozenset[str] = frozenset()
 
     def wake(self) -> None:
         """Wake all boxes."""
@@ -34,11 +35,11 @@ class Sleepers:
 
     def let_sleep(self, names: frozenset[str]) -> None:
         """Let these boxes sleep, whose velocities become zero, and wake all others."""
-        for name in sorted(self._asleep - names):
+        for name in sorted(self.asleep - names):
             self._joints[name].Unlock(self._context)
-        for name in sorted(names - self._asleep):
+        for name in sorted(names - self.asleep):
             self._joints[name].Lock(self._context)
-        self._asleep = names
+        self.asleep = names
 
     def moving(self, x: FloatArray, speed: float, turn: float) -> frozenset[str]:
         """The boxes that are faster than `speed` [m/s] or turn faster than `turn` [rad/s] in a state of the plant."""
@@ -51,31 +52,31 @@ class Sleepers:
         faster = (n for n, at in places.items() if np.linalg.norm(now[at]) > np.linalg.norm(before[at]))
         return self.moving(now, speed, turn) & frozenset(faster)
 
-    def connected(self, x: FloatArray, names: Collection[str]) -> frozenset[str]:
+    def connected(self, touches: Iterable[Touch], names: Collection[str]) -> frozenset[str]:
         """The boxes with these names, those that the arm touches, and all that hang together with them by contact.
 
         So whatever rests or leans on one of them, or carries it, is among them.
+
+        Args:
+            touches: all that is `NEAR` each other.
+            names: of boxes, or of anything else, which does not count.
         """
         neighbours: dict[str, set[str]] = {name: set() for name in self._joints}
-        for touch in self._touches(x, NEAR):
+        for touch in touches:
             for one, other in ((touch.a, touch.b), (touch.b, touch.a)):
                 if one in neighbours:
                     neighbours[one].add(other)
         return _reached(neighbours, [name for name in neighbours if name in names or ROBOT & neighbours[name]])
 
-    def disturbed(self, x: FloatArray, *, arm_alone: bool) -> bool:
+    def disturbed(self, touches: Iterable[Touch], *, arm_alone: bool) -> bool:
         """Whether something awake touches something asleep; an arm alone must touch nothing at all."""
-        if not self._asleep and not arm_alone:
-            return False
         movable = self._joints.keys() | ROBOT
-        for touch in self._touches(x, 0.0):
+        for touch in touches:
             pair = {touch.a, touch.b}
-            if (arm_alone and pair & ROBOT) or (pair & self._asleep and pair & movable - self._asleep):
+            noticed = (arm_alone and pair & ROBOT) or (pair & self.asleep and pair & movable - self.asleep)
+            if noticed and touch.distance <= 0:
                 return True
         return False
-
-    def _touches(self, x: FloatArray, tolerance: float) -> list[Touch]:
-        return self._world.touches_at(x[: self._world.plant.num_positions()], tolerance)
 
 
 def _reached(neighbours: Mapping[str, set[str]], start: Collection[str]) -> frozenset[str]:

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context
 
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
@@ -55,7 +56,6 @@ class World:
         self.context = self.diagram.CreateDefaultContext()
         self._plant_context = self.plant.GetMyMutableContextFromRoot(self.context)
         self._query_port = self.diagram.scene_graph().get_query_output_port()
-        self._query_context = self.diagram.scene_graph().GetMyContextFromRoot(self.context)
         self._names = self._name_geometries()
         self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
         self._tops = {name: _Top.of(support) for name, support in spec.supports.items()}
@@ -82,15 +82,11 @@ class World:
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
         """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""
         self.set_configuration(c)
-        return self._touches(tolerance)
+        return self.touches_in(self.context, tolerance)
 
-    def touches_at(self, q: FloatArray, tolerance: float) -> list[Touch]:
-        """`touches` where the positions of everything, in the order of `plant`, are q."""
-        self.plant.SetPositions(self._plant_context, q)
-        return self._touches(tolerance)
-
-    def _touches(self, tolerance: float) -> list[Touch]:
-        query = self._query_port.Eval(self._query_context)
+    def touches_in(self, context: Context, tolerance: float) -> list[Touch]:
+        """`touches` in another context of the diagram."""
+        query = self._query_port.Eval(self.diagram.scene_graph().GetMyContextFromRoot(context))
         found = []
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(tolerance + 2 * SKIN):
             a, b = self._names[pair.id_A], self._names[pair.id_B]

@@ -144,7 +144,7 @@ def test_a_problem_that_hangs_is_ended(tmp_path: Path) -> None:
     assert out.returncode == BROKEN
     (record,) = results(tmp_path).values()
     assert record.stop_reason == "HUNG"
-    assert record.error == "the process was ended after 0.1 s"
+    assert record.error == "ended after 0.1 s"
 
 
 def test_neither_hash_seed_nor_workers_change_a_result(tmp_path: Path) -> None:

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.dataset as pads
 import pytest
 
 from ictamp_drake.core.errors import IctampError
@@ -23,7 +25,9 @@ from ictamp_drake.learning.dataset import (
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
 from tests.motions import stay
+from tests.skills.rig import rig
 
+DATA = Path(__file__).parents[2] / "data"
 MOTION = (stay(0.1),)
 
 
@@ -150,3 +154,20 @@ def test_a_folder_without_attempts_is_named(tmp_path: Path) -> None:
 def test_unfinished_files_are_not_read(folder: Path) -> None:
     (folder / ".all.parquet.123").write_text("half of a fi")
     assert len(load(folder)) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", ["ground_truth", "round_0", "round_1", "round_2"])
+@pytest.mark.parametrize("name", ["pick", "place"])
+def test_what_earlier_versions_recorded_can_be_tried_again(folder: str, name: str) -> None:
+    """Its c has no state of a simulator: everything is at rest, and the arm is commanded to be where it is."""
+    succeeded = pads.field("failure").is_null() & (pads.field("action").cast(pa.string()) == name)
+    (recorded,) = opened(DATA / folder).head(1, filter=succeeded).to_pylist()
+    c, spec, tried = configuration(recorded), scene(recorded["spec"]), action(recorded)
+    assert c.x is None
+    assert c.commanded.tobytes() == c.q[:7].tobytes()
+    assert c.held == (None if name == "pick" else tried.args[0])
+    attempt = rig(spec).attempt(c, tried, k=np.array(recorded["k"], dtype=float))
+    assert attempt.succeeded, attempt.detail
+    assert attempt.successor is not None
+    np.testing.assert_allclose(attempt.successor.poses[tried.args[0]][4:], recorded["moved"][4:], atol=0.01)

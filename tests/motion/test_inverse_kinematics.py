@@ -130,3 +130,14 @@ def test_lines_are_the_same_however_often_and_in_which_order_they_are_asked_for(
     ends = [down(0.5, 0.0, 0.1 + rise) for rise in np.linspace(0.05, 0.2, 20)]
     for X_WG1 in (*ends, *ends[::-1], *ends[-3:]):
         np.testing.assert_array_equal(arm.line(q0, X_WG1), ArmKinematics(RigidTransform()).line(q0, X_WG1))
+
+
+def test_arms_with_the_same_base_share_a_plant_and_nothing_else() -> None:
+    X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.1, -0.2, 0.3])
+    one, two, other = ArmKinematics(X_WB), ArmKinematics(RigidTransform(X_WB)), ArmKinematics(RigidTransform())
+    assert one.plant is two.plant
+    assert one.plant is not other.plant
+    X_WG = one.forward(HOME)
+    two.forward(HOME + 0.1)
+    assert one.forward(HOME).IsExactlyEqualTo(X_WG)
+    np.testing.assert_allclose(X_WG.GetAsMatrix4(), (X_WB @ other.forward(HOME)).GetAsMatrix4(), atol=1e-12)

@@ -27,10 +27,13 @@ def posture(planner: MotionPlanner, X_WG: RigidTransform) -> FloatArray:
 
 
 def check_free(world: World, planner: MotionPlanner, c: Configuration, planned: Planned | Refusal, overlaps) -> Planned:
-    """Free of collisions at 5 mm and 0.01 rad, twice as fine as promised, in the eyes of plain queries."""
+    """From rest to rest, and free of collisions at 5 mm and 0.01 rad, twice as fine as promised, to plain queries."""
     assert isinstance(planned, Planned), planned
     for q in sample(planned.trajectory, planner.kinematics.forward_all, 0.005, 0.01):
         assert max(overlaps(world, c, q).values(), default=0.0) < 1.5e-3  # the held box counts as 1 mm smaller
+    ends = np.array([0.0, planned.trajectory.duration])
+    for order in (1, 2):
+        np.testing.assert_allclose(planned.trajectory.derivatives(ends, order), 0.0, atol=1e-6)
     return planned
 
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Attempt
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Attempt, State
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.events import Event, PlanOpened, StepDone, StepStarted, Verified
@@ -19,7 +20,16 @@ from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.tree import ROOT
 from ictamp_drake.planning.uniform import UniformAllocationConfig
-from tests.toy_world import RIGHT, UP, TickingClock, ToyConfiguration, ToyWorld, assert_consistent, toy_planner
+from tests.toy_world import (
+    RIGHT,
+    UP,
+    TickingClock,
+    ToyConfiguration,
+    ToyWorld,
+    abstraction,
+    assert_consistent,
+    toy_planner,
+)
 
 SURE = ToyWorld(size=(2, 1), max_plans=1)
 RULES: dict[str, RuleConfig] = {
@@ -254,3 +264,88 @@ def test_a_wrong_constant_is_refused_in_one_sentence(bad, sentence: str) -> None
     with pytest.raises(IctampError) as error:
         bad()
     assert str(error.value) == sentence
+
+
+# plans that run in physics as a whole
+
+
+@dataclass
+class ToyPhysics:
+    """Confirms what was promised, a little to the side, unless the cell is a bog; keeps what it was asked."""
+
+    bogs: tuple[tuple[int, int], ...] = ()
+    asked: list[tuple[ToyConfiguration, Attempt[ToyConfiguration]]] = field(default_factory=list)
+
+    def __call__(
+        self, c: ToyConfiguration, attempt: Attempt[ToyConfiguration], promised: State
+    ) -> Attempt[ToyConfiguration]:
+        self.asked.append((c, attempt))
+        assert attempt.successor is not None
+        assert abstraction(attempt.successor) == promised
+        if attempt.successor.cell in self.bogs:
+            return replace(attempt, failure=Failure.SLIPPED, successor=c)
+        return replace(attempt, successor=attempt.successor._replace(offset=attempt.successor.offset / 2))
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+def test_a_found_plan_runs_in_physics_step_by_step_from_where_physics_ended(rule: RuleConfig) -> None:
+    physics = ToyPhysics()
+    result = toy_planner(SURE, rule=rule, execute=physics).run()
+    assert result.solved
+    assert [attempt.action for _, attempt in physics.asked] == [RIGHT, RIGHT, UP]
+    assert result.plan is not None
+    reached = [attempt.successor for attempt in result.plan]
+    assert [c for c, _ in physics.asked] == [SURE.start, *reached[:-1]]
+    assert result.candidate is not None
+    assert [result.tree.nodes[node].c for node in result.tree.lineage(result.candidate)] == [SURE.start, *reached]
+    assert not any(step.attempt.failure for step in result.tree.steps), "what physics confirms is no step of its own"
+    assert result.geometric_time_s is not None
+    assert_consistent(result.tree)
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+def test_a_step_that_physics_refuses_is_blamed_and_the_search_goes_on_elsewhere(rule: RuleConfig) -> None:
+    for seed in range(3):
+        physics = ToyPhysics(bogs=((1, 0),))
+        events: list[Event] = []
+        world = ToyWorld(size=(1, 1))
+        result = toy_planner(world, seed=seed, rule=rule, execute=physics, listeners=[events.append]).run()
+        assert result.solved
+        assert result.actions == (UP, RIGHT), "the way around the bog"
+        assert_consistent(result.tree)
+        refused = [step for step in result.tree.steps if step.attempt.failure is Failure.SLIPPED]
+        assert bool(result.tree.refuted) == bool(refused)
+        assert len(refused) == sum(c.cell == (0, 0) and a.action == RIGHT for c, a in physics.asked)
+        told = [event.attempt for event in events if isinstance(event, StepDone) and event.attempt.failure]
+        assert told == [step.attempt for step in refused]
+
+
+def test_what_physics_confirmed_is_not_run_again() -> None:
+    """The second step is refused at first; the first one was confirmed, and the next plan goes on from there."""
+    answers = iter([False, True])
+
+    @dataclass
+    class Slippery(ToyPhysics):
+        def __call__(
+            self, c: ToyConfiguration, attempt: Attempt[ToyConfiguration], promised: State
+        ) -> Attempt[ToyConfiguration]:
+            done = super().__call__(c, attempt, promised)
+            slips = c.cell == (1, 0) and not next(answers)
+            return replace(done, failure=Failure.SLIPPED, successor=c) if slips else done
+
+    physics = Slippery()
+    result = toy_planner(SURE, rule=RULES["els"], execute=physics).run()
+    assert result.solved
+    assert len({attempt.k.tobytes() for c, attempt in physics.asked if attempt.k is not None}) == len(physics.asked)
+
+
+def test_a_goal_that_physics_never_confirms_is_not_solved() -> None:
+    result = toy_planner(SURE, steps=60, execute=ToyPhysics(bogs=((2, 1),))).run()
+    assert not result.solved
+    assert result.stop_reason is StopReason.OUT_OF_STEPS
+    assert not result.tree.candidates
+    assert_consistent(result.tree)
+
+
+def test_without_whole_plans_there_is_no_geometric_time() -> None:
+    assert toy_planner(SURE).run().geometric_time_s is None

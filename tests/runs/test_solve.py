@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,14 +13,16 @@ from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.events import StepDone
 from ictamp_drake.planning.result import StopReason
+from ictamp_drake.planning.tree import Step
 from ictamp_drake.runs.options import Estimators, Method, Samplers
 from ictamp_drake.runs.records import record_of
 from ictamp_drake.runs.replay import plan_frames, starts
-from ictamp_drake.runs.solve import Solution, prepare, solve
+from ictamp_drake.runs.solve import Solution, prepare, solve, verifier
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.symbolic.skeletons import BestFirst
+from ictamp_drake.world.simulate import Outcome, Physics, PhysicsConfig
 from tests.learning.synthetic import untrained
 from tests.runs.programs import SCENE
 
@@ -69,6 +72,68 @@ def test_a_solution_can_be_shown_from_the_recordings_of_its_skills(scene: Path) 
     assert end is not None
     assert solution.task.goal <= solution.task.abstraction(end)
     assert frames[-1].c == Configuration(end.q, end.poses)
+
+
+class Counted(Physics):
+    """A simulator that counts what it executes."""
+
+    executions = 0
+
+    def proceed(self, *arguments: Any, **options: Any) -> Outcome:
+        self.executions += 1
+        return super().proceed(*arguments, **options)
+
+
+def test_a_plan_is_executed_once_unless_more_is_asked(scene: Path) -> None:
+    method = Method(time_limit=250)
+    task = prepare(scene, method)
+    counted = Counted(task.world, method.physics)
+    result = solve(replace(task, physics=counted), method).result
+    assert result.solved
+    assert counted.executions == sum(step.attempt.recording is not None for step in result.tree.steps)
+    assert sum(isinstance(step, Step) for step in result.tree.log) >= counted.executions > 0
+    assert method.verification is None
+    assert verifier(task, method)(())  # not even looked at
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("verify", "time_step"), [("awake", 0.004), ("fine", 0.001)])
+def test_a_plan_that_holds_is_solved_when_it_is_executed_again(scene: Path, verify: Any, time_step: float) -> None:
+    method = Method(time_limit=250, verify=verify)
+    assert method.verification == PhysicsConfig(sleep=False, time_step=time_step)
+    solution = solve(prepare(scene, method), method)
+    assert solution.result.solved
+    record = record_of("scene", "", None, 0, solution)
+    assert record.solved
+    assert record.verified
+    assert record.seconds_by_stage["verification"] > 0
+
+
+class Slippery(Method):
+    """A method that executes a plan again with fingers that cannot press."""
+
+    @property
+    def verification(self) -> PhysicsConfig | None:
+        physics = super().verification
+        return physics and replace(physics, min_pad_force=1e-3, finger_stiffness=1e-3, rest_speed=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("verify", ["awake", "fine"])
+def test_a_plan_that_does_not_hold_when_it_is_executed_again_is_not_solved(scene: Path, verify: Any) -> None:
+    """Nothing is at rest for the physics of the other execution."""
+    method = Slippery(time_limit=250, max_steps=6, verify=verify)
+    solution = solve(prepare(scene, method), method)
+    result = solution.result
+    assert result.plan is not None
+    assert all(attempt.succeeded for attempt in result.plan), "its skills reached the goal"
+    assert not result.solved
+    assert result.verified is False
+    record = record_of("scene", "", None, 0, solution)
+    assert not record.solved
+    assert record.verified is False
+    assert record.replay_time_s is None
+    assert solve(prepare(scene, replace(method, verify="none")), replace(method, verify="none")).result.solved
 
 
 def stopped(scene: Path, method: Method, after: int) -> Solution:

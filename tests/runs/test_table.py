@@ -106,7 +106,7 @@ def test_a_search_that_went_into_plans_says_so() -> None:
 
 
 def test_a_plan_that_did_not_pass_its_replay_is_mentioned() -> None:
-    assert "not again when it was replayed as a whole" in text(record("a", verified=False))
+    assert "failed when it was executed once more" in text(record("a", verified=False))
 
 
 def test_a_broken_problem_shows_its_error() -> None:

@@ -4,12 +4,18 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Atom, Configuration, State
+from ictamp_drake.core.types import Action, Atom, Configuration, Recording, State
 from ictamp_drake.skills.judge import judge
 from ictamp_drake.world.simulate import Outcome
 
 C = Configuration(np.zeros(9), {})
 PICK, PLACE = Action("pick", ("red", "table")), Action("place", ("red", "rack"))
+
+
+def outcome(*, settled: bool = True, stopped_after: str | None = None) -> Outcome:
+    """Where a simulation ended that nobody recorded."""
+    recording = Recording(np.zeros(1), np.zeros((1, 0)))
+    return Outcome(C, settled and stopped_after is None, stopped_after, (), recording)
 
 
 def state(*atoms: str) -> State:
@@ -26,44 +32,44 @@ STILL_THERE = state(
 
 
 @pytest.mark.parametrize(
-    ("reached", "promised", "action", "outcome", "failure"),
+    ("reached", "promised", "action", "ended", "failure"),
     [
-        (PICKED, PICKED, PICK, Outcome(C, True), None),
-        (PLACED, PLACED, PLACE, Outcome(C, True), None),
-        (PICKED, PICKED, PICK, Outcome(C, False), Failure.NOT_SETTLED),
-        (PICKED, PICKED, PICK, Outcome(C, False, stopped_after="grasp"), Failure.NOT_GRASPED),
-        (PICKED, PICKED, PICK, Outcome(C, False, stopped_after="lift"), Failure.SLIPPED),
-        (PLACED, PLACED, PLACE, Outcome(C, False, stopped_after="transfer"), Failure.SLIPPED),
-        (STILL_THERE, PICKED, PICK, Outcome(C, True), Failure.SLIPPED),
+        (PICKED, PICKED, PICK, outcome(), None),
+        (PLACED, PLACED, PLACE, outcome(), None),
+        (PICKED, PICKED, PICK, outcome(settled=False), Failure.NOT_SETTLED),
+        (PICKED, PICKED, PICK, outcome(stopped_after="grasp"), Failure.NOT_GRASPED),
+        (PICKED, PICKED, PICK, outcome(stopped_after="lift"), Failure.SLIPPED),
+        (PLACED, PLACED, PLACE, outcome(stopped_after="transfer"), Failure.SLIPPED),
+        (STILL_THERE, PICKED, PICK, outcome(), Failure.SLIPPED),
         (
             PICKED - state("on(blue,table)") | state("lying(blue,table)"),
             PICKED,
             PICK,
-            Outcome(C, True),
+            outcome(),
             Failure.OTHER_MOVED,
         ),
-        (PICKED - state("on(blue,table)"), PICKED, PICK, Outcome(C, True), Failure.OTHER_MOVED),
+        (PICKED - state("on(blue,table)"), PICKED, PICK, outcome(), Failure.OTHER_MOVED),
         (
             STILL_THERE - state("on(red,table)", "upright(red)") | state("lying(red,table)", "tipped(red)"),
             PICKED,
             PICK,
-            Outcome(C, True),
+            outcome(),
             Failure.TOPPLED,
         ),
         (
             PLACED - state("on(red,rack)", "upright(red)") | state("lying(red,rack)", "tipped(red)"),
             PLACED,
             PLACE,
-            Outcome(C, True),
+            outcome(),
             Failure.TOPPLED,
         ),
-        (PLACED - state("on(red,rack)") | state("on(red,table)"), PLACED, PLACE, Outcome(C, True), Failure.WRONG_STATE),
-        (PLACED - state("on(red,rack)"), PLACED, PLACE, Outcome(C, True), Failure.WRONG_STATE),
-        (PICKED | state("clear(table)"), PICKED, PICK, Outcome(C, True), Failure.WRONG_STATE),
+        (PLACED - state("on(red,rack)") | state("on(red,table)"), PLACED, PLACE, outcome(), Failure.WRONG_STATE),
+        (PLACED - state("on(red,rack)"), PLACED, PLACE, outcome(), Failure.WRONG_STATE),
+        (PICKED | state("clear(table)"), PICKED, PICK, outcome(), Failure.WRONG_STATE),
     ],
 )
-def test_verdict(reached: State, promised: State, action: Action, outcome: Outcome, failure: Failure | None) -> None:
-    verdict, detail = judge(reached, promised, action, outcome)
+def test_verdict(reached: State, promised: State, action: Action, ended: Outcome, failure: Failure | None) -> None:
+    verdict, detail = judge(reached, promised, action, ended)
     assert verdict is failure
     if reached != promised:
         for atom in promised - reached:
@@ -75,4 +81,4 @@ def test_verdict(reached: State, promised: State, action: Action, outcome: Outco
 
 
 def test_an_empty_grasp_names_the_box() -> None:
-    assert "red" in judge(STILL_THERE, PICKED, PICK, Outcome(C, False, stopped_after="grasp"))[1]
+    assert "red" in judge(STILL_THERE, PICKED, PICK, outcome(stopped_after="grasp"))[1]

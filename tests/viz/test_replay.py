@@ -11,7 +11,7 @@ from pydrake.geometry import Role
 from ictamp_drake.core.types import Action, Attempt
 from ictamp_drake.viz.page import Caption
 from ictamp_drake.viz.replay import plan_captions, replay_html
-from ictamp_drake.world.world import World
+from ictamp_drake.viz.stage import Stage
 from tests.motions import stay
 from tests.viz.chromium import Chromium
 from tests.viz.scene import DURATION, SPEC, START, recording
@@ -76,7 +76,8 @@ def browser(chromium: str, page: Path, tmp_path_factory: pytest.TempPathFactory)
 
 
 def visible_shapes() -> int:
-    inspector = World(SPEC).diagram.scene_graph().model_inspector()
+    stage = Stage(SPEC)
+    inspector = stage.shapes(START).inspector()
     return inspector.NumGeometriesWithRole(Role.kIllustration)
 
 

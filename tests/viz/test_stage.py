@@ -13,7 +13,6 @@ from pydrake.math import RotationMatrix
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.scenes.spec import ArmSpec, SupportSpec
 from ictamp_drake.viz.stage import Stage, start_meshcat, viewpoint
-from ictamp_drake.world.world import World
 from tests.viz.meshcat_page import download, objects, position
 from tests.viz.scene import SPEC, START, swing
 
@@ -44,8 +43,9 @@ def test_a_port_that_cannot_be_is_refused(port: int) -> None:
 
 
 def test_looks_are_shown_and_collision_shapes_are_not(meshcat: Meshcat) -> None:
-    Stage(SPEC, meshcat).show(START)
-    inspector = World(SPEC).diagram.scene_graph().model_inspector()
+    stage = Stage(SPEC, meshcat)
+    stage.show(START)
+    inspector = stage.shapes(START).inspector()
     assert objects(download(meshcat.web_url())) == inspector.NumGeometriesWithRole(Role.kIllustration)
 
 

@@ -53,7 +53,7 @@ def settled(boxes: dict[str, BoxSpec]) -> tuple[Configuration, Configuration, Ab
     spec = SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=boxes, goal=f"(on {min(boxes)} rack)")
     world = World(spec)
     c = world.initial_configuration()
-    return c, PhysicsConfig().create(spec).run(c, (stay(c, 5.0),)).c, Abstraction(world)
+    return c, PhysicsConfig().create(world).run(c, (stay(c, 5.0),)).c, Abstraction(world)
 
 
 @pytest.mark.parametrize("inside", [INSIDE, 0.0145])
@@ -88,7 +88,7 @@ def test_a_box_that_overhangs_a_lower_one_stays_or_falls(yaw: float) -> None:
 def test_a_scene_with_an_overhanging_box_starts() -> None:
     spec = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "f1-overhang.yaml")
     world = World(spec)
-    c = start_configuration(world, Abstraction(world), PhysicsConfig().create(spec), "f1")
+    c = start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "f1")
     np.testing.assert_allclose(c.poses["crate"], spec.boxes["crate"].X_WO, atol=1e-4)
     assert Abstraction(world).eval(c, Atom("on", ("crate", "table")))
 
@@ -99,7 +99,7 @@ def test_a_scene_in_which_a_centre_is_outside_a_rim_is_refused() -> None:
     )
     world = World(spec)
     with pytest.raises(IctampError, match=r"f1: boxes\.thing\.position is .* its centre above that one's top"):
-        start_configuration(world, Abstraction(world), PhysicsConfig().create(spec), "f1")
+        start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "f1")
 
 
 def test_queries_see_no_rims() -> None:

@@ -1,7 +1,14 @@
 """Physics: deterministic, at rest when it says so, firm grips, towers that stand, and an arm within its limits."""
 
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context, EventStatus
 
@@ -93,6 +100,162 @@ def test_the_same_start_and_motion_end_the_same_bit_for_bit(world: World, physic
         assert outcome.c == first.c
         assert outcome.settled == first.settled
     assert first.c != c
+
+
+def fresh() -> Physics:
+    """A simulator of the pedestal that nothing was simulated with."""
+    return PhysicsConfig().create(World(pedestal()))
+
+
+@pytest.mark.parametrize("sleep", [True, False])
+def test_motions_one_by_one_are_one_execution_bit_for_bit(world: World, sleep: bool) -> None:
+    """Also where a motion ends in the middle of everything, the box in the hand and the arm still following."""
+    config, start = PhysicsConfig(sleep=sleep), world.initial_configuration()
+    parts = [(segment,) for segment in grip_and_carry(start, 30.0)]
+    at_once = config.create(world)
+    whole = [at_once.run(start, parts[0]).c, *(at_once.proceed(part).c for part in parts[1:])]
+    c = start
+    for part, reached in zip(parts, whole, strict=True):
+        c = config.create(World(pedestal())).run(c, part, record=False).c
+        assert c == reached
+    assert c.held == "thing"
+
+
+def test_after_a_watcher_ended_an_execution_the_next_goes_on_from_there(world: World) -> None:
+    c = world.initial_configuration()
+    grasp, lift, transfer = grip_and_carry(c, 30.0)
+    physics = fresh()
+    stopped = physics.run(c, (grasp, lift), watch=lambda *_: False)
+    assert stopped.stopped_after == grasp.label
+    assert stopped.c == fresh().run(c, (grasp,), watch=lambda *_: False).c, "nothing after it was executed"
+    assert stopped.c.commanded.tobytes() == grasp.control_points[-1].tobytes()
+    assert physics.proceed((lift, transfer)).c == fresh().run(stopped.c, (lift, transfer)).c
+
+
+def test_what_was_simulated_before_leaves_nothing_behind(world: World, physics: Physics) -> None:
+    """No grip is remembered where the arm moves alone, nor where nothing moves at all."""
+    c = world.initial_configuration()
+    carried = physics.run(c, grip_and_carry(c, 30.0)).c
+    assert carried.held == "thing"
+    empty = arranged(world, {"thing": pose(0.6, 0.2, TALL / 2)})
+    alone = replace(way("aside", empty.q[:7], AWAY, 1.0, OPEN), touches=frozenset())
+    for motion in ((alone,), (stay(empty, 1e-9),)):
+        physics.run(c, grip_and_carry(c, 30.0))
+        outcome = physics.run(empty, motion)
+        assert outcome.c.held is None
+        assert outcome.c == fresh().run(empty, motion).c
+    held = fresh().run(carried, (stay(carried, 1e-9),))
+    assert held.c.held == "thing", "what c says, since no step was simulated"
+
+
+def test_a_simulator_goes_on_after_the_solver_diverged(world: World, physics: Physics) -> None:
+    c = world.initial_configuration()
+    motion = grip_and_carry(c, 30.0)
+    reference = physics.run(c, motion).c
+    state = reference.x
+    assert state is not None
+    wild = np.append(state[:-3], np.full(3, np.nan))
+    with pytest.raises(RuntimeError):
+        physics.run(replace(reference, x=wild), motion)
+    assert physics.run(c, motion).c == reference
+
+
+def test_simulators_may_share_a_world(world: World) -> None:
+    """Each motion is executed in turn by two of them, while the world is asked other things."""
+    c = world.initial_configuration()
+    motion = [replace(segment, touches=frozenset({"thing"})) for segment in grip_and_carry(c, 30.0)]
+    reference = fresh().run(c, motion)
+    one, other = (PhysicsConfig().create(world) for _ in range(2))
+    aside = arranged(world, {"thing": pose(0.6, 0.2, TALL / 2)})
+
+    def disturb(*_: object) -> bool:
+        other.run(aside, (stay(aside, 0.05),))
+        world.set_configuration(aside)
+        return True
+
+    assert one.run(c, motion, watch=disturb).c == reference.c
+
+
+# the state of c
+
+
+def test_a_configuration_that_was_reached_is_loaded_bit_for_bit(world: World, physics: Physics) -> None:
+    c = world.initial_configuration()
+    end = physics.run(c, grip_and_carry(c, 30.0)).c
+    assert end.x is not None
+    assert end.commanded.tobytes() == AWAY.tobytes()
+    np.testing.assert_allclose(end.q[:7], end.commanded, atol=5e-4)
+    assert np.any(end.x[world.plant.num_positions() :] != 0), "velocities are part of it"
+    loaded = pickle.loads(pickle.dumps(end))
+    assert fresh().run(loaded, (stay(end, 0.2),)).c == physics.run(end, (stay(end, 0.2),)).c
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda c: {"poses": {"thing": c.poses["thing"] + [0, 0, 0, 0, 0, 0, 1e-9]}},
+        lambda c: {"q": c.q + 1e-9},
+        lambda c: {"x": c.x[:-1]},
+        lambda c: {"x": np.append(c.x, 0.0)},
+        lambda c: {"x": c.x[:3]},
+    ],
+)
+def test_a_state_that_belongs_to_something_else_is_refused(
+    world: World, physics: Physics, change: Callable[[Configuration], dict[str, Any]]
+) -> None:
+    c = physics.run(world.initial_configuration(), ()).c
+    with pytest.raises(ValueError, match="x of the configuration belongs to other positions"):
+        physics.run(replace(c, **change(c)), ())
+
+
+def test_boxes_may_move_where_a_motion_begins(world: World, physics: Physics) -> None:
+    """A box in the air falls, though the arm touches nothing."""
+    c = arranged(world, {"thing": pose(0.5, -0.3, 0.4)})
+    state = physics.run(c, (stay(c, 1e-9),)).c.x
+    assert state is not None
+    rises = state.copy()
+    rises[-1] = 1.0
+    for start in (c, replace(c, q=c.q, poses=c.poses, x=rises)):
+        alone = replace(way("aside", c.q[:7], AWAY, 1.0, OPEN), touches=frozenset())
+        outcome = physics.run(start, (replace(stay(c, 0.1), touches=frozenset({"thing"})), alone))
+        reference = (
+            PhysicsConfig(sleep=False)
+            .create(world)
+            .run(start, (replace(stay(c, 0.1), touches=frozenset({"thing"})), alone))
+        )
+        np.testing.assert_allclose(outcome.c.poses["thing"], reference.c.poses["thing"], atol=1e-4)
+        assert outcome.c.poses["thing"][6] < 0.1
+
+
+# time
+
+
+@pytest.mark.parametrize("time_step", [0.001, 0.003, PhysicsConfig().time_step, 0.01])
+def test_a_motion_that_was_executed_lasts_a_whole_number_of_steps(world: World, time_step: float) -> None:
+    c = world.initial_configuration()
+    odd = tuple(replace(segment, touches=None) for segment in (stay(c, 0.0123), stay(c, 0.0007), stay(c, 0.1)))
+    outcome = PhysicsConfig(time_step=time_step).create(world).run(c, odd)
+    steps = sum(segment.duration for segment in outcome.motion) / time_step
+    assert steps == pytest.approx(round(steps), abs=1e-6)
+    assert steps >= 0.113 / time_step - 1e-6
+    assert outcome.recording.times[-1] == pytest.approx(time_step * round(steps))
+    again = PhysicsConfig(time_step=time_step).create(world).run(c, outcome.motion)
+    assert again.c == outcome.c, "with its wait for rest it ends the same"
+    assert [segment.label for segment in again.motion] == [segment.label for segment in outcome.motion]
+
+
+@given(steps=st.lists(st.integers(1, 500), min_size=1, max_size=40), time_step=st.sampled_from([0.001, 0.003, 0.004]))
+def test_sums_of_durations_make_no_step_too_many(steps: list[int], time_step: float) -> None:
+    elapsed = 0.0
+    for count in steps:
+        elapsed += count * time_step
+    assert PhysicsConfig(time_step=time_step).steps(elapsed) == sum(steps)
+
+
+def test_a_motion_shorter_than_a_step_takes_one(world: World, physics: Physics) -> None:
+    c = physics.run(world.initial_configuration(), (stay(world.initial_configuration(), 1.0),)).c
+    outcome = physics.run(c, (stay(c, 0.001), stay(c, 0.001)))
+    assert sum(segment.duration for segment in outcome.motion) == pytest.approx(PhysicsConfig().time_step)
 
 
 # rest
@@ -214,7 +377,7 @@ def test_a_box_that_one_finger_presses_is_not_held() -> None:
 def _efforts(physics: Physics, c: Configuration, motion: Motion) -> FloatArray:
     """Largest effort of each of the 9 joints during a motion, shape (9,)."""
     plant, largest = physics._scene.plant, np.zeros(9)
-    port, context = plant.get_net_actuation_output_port(physics.bodies.arm), physics._scene.context
+    port, context = plant.get_net_actuation_output_port(physics._scene.bodies.arm), physics._scene.context
 
     def look(_: Context) -> EventStatus:
         np.maximum(largest, np.abs(port.Eval(context)), out=largest)

@@ -29,7 +29,7 @@ function node_facts(index) {
 
 function verdict(index) {
   const said = {
-    true: html("p", {class: "found"}, "The goal holds, and the whole plan was executed once more and verified."),
+    true: html("p", {class: "found"}, "The goal holds where physics ended: the plan has been executed."),
     false: html("p", {class: "failed"}, "The goal holds, but the whole plan failed when it was executed once more."),
   };
   return [said[verdicts.get(index)] ?? []].flat();

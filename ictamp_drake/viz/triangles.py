@@ -1,0 +1,72 @@
+"""Surfaces as triangles, each of shape (n, 3, 3) in the frame of its shape [m], counterclockwise seen from outside."""
+
+import base64
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from ictamp_drake.core.types import FloatArray
+
+SECTIONS = 32
+"""Of everything round, about its axis."""
+
+_CORNERS = np.array(
+    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
+)
+_FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+
+
+def box(size: FloatArray) -> FloatArray:
+    """A box about the origin with these sides [m], shape (3,)."""
+    return _halved(_CORNERS[_FACES] * (np.asarray(size) / 2))
+
+
+def cylinder(radius: float, length: float) -> FloatArray:
+    """A cylinder about the origin along z."""
+    half = length / 2
+    return _revolved(np.array([[0.0, -half], [radius, -half], [radius, half], [0.0, half]]))
+
+
+def capsule(radius: float, length: float) -> FloatArray:
+    """A cylinder along z of this length between two half spheres; a sphere when it has none."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, SECTIONS // 2 + 1)
+    profile = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    middle = len(profile) // 2
+    ends = profile[: middle + 1] - [0.0, length / 2], profile[middle:] + [0.0, length / 2]
+    return _revolved(np.concatenate(ends))
+
+
+def _revolved(profile: FloatArray) -> FloatArray:
+    """What a line (distance from the z axis, z), from its lowest to its highest point, sweeps about the axis."""
+    angles = np.linspace(0, 2 * np.pi, SECTIONS + 1)
+    x, y = (np.outer(profile[:, 0], turn) for turn in (np.cos(angles), np.sin(angles)))
+    points = np.stack([x, y, np.broadcast_to(profile[:, 1:], x.shape)], axis=-1)
+    quads = np.stack([points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]], axis=2)
+    return _halved(quads.reshape(-1, 4, 3))
+
+
+def _halved(quads: FloatArray) -> FloatArray:
+    """Two triangles for each quadrilateral, shape (n, 4, 3) -> (2 n, 3, 3)."""
+    return quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
+
+
+@cache
+def read_gltf(path: Path) -> tuple[FloatArray, FloatArray]:
+    """Triangles and colour (red, green, blue in [0, 1]) of a file that `models.gltf` wrote."""
+    document = json.loads(path.read_text(encoding="utf-8"))
+    data = base64.b64decode(document["buffers"][0]["uri"].partition(",")[2])
+    (primitive,) = document["meshes"][0]["primitives"]
+    points, indices = (
+        np.frombuffer(
+            data, kind, accessor["count"] * width, document["bufferViews"][accessor["bufferView"]]["byteOffset"]
+        )
+        for accessor, kind, width in (
+            (document["accessors"][primitive["attributes"]["POSITION"]], "<f4", 3),
+            (document["accessors"][primitive["indices"]], "<u2", 1),
+        )
+    )
+    x, y, z = np.moveaxis(points.reshape(-1, 3)[indices.reshape(-1, 3)].astype(float), -1, 0)
+    colour = document["materials"][primitive["material"]]["pbrMetallicRoughness"]["baseColorFactor"]
+    return np.stack([x, -z, y], axis=-1), np.array(colour[:3])  # glTF's y axis is up

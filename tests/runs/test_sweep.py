@@ -1,0 +1,174 @@
+"""A single job in this process leaves what it leaves in a worker, and its result is told before its pages are made."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ictamp_drake.runs import pages, worker
+from ictamp_drake.runs.board import Board
+from ictamp_drake.runs.options import Conduct, Method, Samplers
+from ictamp_drake.runs.records import Record, read_records
+from ictamp_drake.runs.sweep import sweep
+from ictamp_drake.runs.worker import Job, Prepared, Problem
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from tests.runs.programs import SCENE, timeless
+
+METHOD = Method(time_limit=250.0)
+SHORT = replace(METHOD, max_steps=1)
+NO_GRASP = OptimisationConfig(ground=1.0)
+ENDLESS = replace(METHOD, sampler="optimisation", samplers=Samplers(optimisation=NO_GRASP))
+"""Finds no grasp, since all are too high above the ground, and does not give up."""
+PAGES = {"tree.json", "tree.svg", "growth.svg", "scene.png", "search.html", "replay.html"}
+
+
+@pytest.fixture
+def job(tmp_path: Path) -> Job:
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    return Job(Problem("scene", tmp_path / "scene.yaml"), METHOD)
+
+
+class Told:
+    """What a sweep tells, with the files that are there at that moment."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.records: list[Record] = []
+        self.files: list[set[str]] = []
+
+    def __call__(self, _: Board, records: Sequence[Record]) -> None:
+        for record in records:
+            self.records.append(record)
+            self.files.append({path.name for path in (self.folder / record.name).glob("*")})
+
+
+def done(job: Job, folder: Path, *, alone: bool = True, **conduct: object) -> Told:
+    folder.mkdir()
+    told = Told(folder)
+    assert sweep([job], folder, Conduct(**conduct), told, alone=alone)  # type: ignore[arg-type]
+    return told
+
+
+def test_the_result_is_told_before_its_pages_are_made(job: Job, tmp_path: Path) -> None:
+    told = done(job, tmp_path / "out")
+    (record,) = told.records
+    assert record.solved
+    assert told.files == [{"scene.yaml", "plan.yaml"}]
+    assert read_records(tmp_path / "out" / "results.jsonl") == {"scene": record}
+    assert {path.name for path in (tmp_path / "out" / "scene").iterdir()} == {"scene.yaml", "plan.yaml", *PAGES}
+
+
+def test_a_job_in_this_process_leaves_what_it_leaves_in_a_worker(job: Job, tmp_path: Path) -> None:
+    here, there = done(job, tmp_path / "here"), done(job, tmp_path / "there", alone=False)
+    assert timeless(here.records[0]) == timeless(there.records[0])
+    for name in ("scene.yaml", "plan.yaml", *(PAGES - {"search.html"})):  # which tells what the steps took
+        assert (tmp_path / "here" / "scene" / name).read_bytes() == (tmp_path / "there" / "scene" / name).read_bytes()
+
+
+def test_what_was_prepared_is_used_and_does_not_travel(job: Job, tmp_path: Path) -> None:
+    prepared = Prepared.read(job.problem.path, SHORT)
+    job.problem.path.unlink()
+    short = replace(job, method=SHORT, prepared=prepared)
+    (record,) = done(short, tmp_path / "out", artefacts="none").records
+    assert record.error is None
+    assert record.low_level_steps == 1
+    assert record.planning_time_s >= prepared.seconds
+    elsewhere = done(short, tmp_path / "there", alone=False, artefacts="none")
+    assert "scene.yaml: cannot be read" in (elsewhere.records[0].error or "")
+
+
+def test_time_between_preparation_and_solution_is_not_planning_time(job: Job) -> None:
+    prepared = Prepared.read(job.problem.path, METHOD)
+    aged = replace(prepared.task, started=prepared.task.started - 1000.0)
+    assert prepared._replace(task=aged).begin().started > aged.started + 999.0
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_job_that_fails_is_a_record(job: Job, tmp_path: Path, alone: bool) -> None:
+    job.problem.path.unlink()
+    (record,) = done(job, tmp_path / "out", alone=alone).records
+    assert record.stop_reason == "CRASHED"
+    assert "cannot be read" in (record.error or "")
+    assert not record.is_final
+    assert not (tmp_path / "out" / "scene").exists()
+
+
+def test_a_job_that_hangs_is_a_record(job: Job, tmp_path: Path) -> None:
+    hasty = replace(job, method=replace(METHOD, time_limit=0.05))
+    (record,) = done(hasty, tmp_path / "out", grace=0.0).records
+    assert (record.stop_reason, record.error) == ("HUNG", "ended after 0.05 s")
+
+
+def wait(*_: object) -> None:
+    """Never end."""
+    while True:
+        time.sleep(0.01)
+
+
+def broken(write: Callable[..., object]) -> Callable[..., None]:
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(f"{write.__name__} is out of ink")
+
+    return fail
+
+
+def test_a_page_that_fails_costs_only_itself(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pages, "search_html", broken(pages.search_html))
+    told = done(job, tmp_path / "out")
+    first, second = told.records
+    assert first.error is None
+    assert second == replace(first, error=second.error)
+    assert second.error is not None
+    assert second.error.endswith("search.html could not be made: OSError('search_html is out of ink')\n")
+    assert {path.name for path in (tmp_path / "out" / "scene").iterdir()} == {"scene.yaml", "plan.yaml", *PAGES} - {
+        "search.html"
+    }
+    assert read_records(tmp_path / "out" / "results.jsonl")["scene"] == second
+
+
+def test_pages_that_never_end_are_given_up(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(worker, "write_pages", wait)
+    told = done(replace(job, method=SHORT), tmp_path / "out", grace=0.5)
+    assert told.records[-1].error == "the pages were given up after 0.5 s"
+    assert (tmp_path / "out" / "scene" / "scene.yaml").exists()
+
+
+def interrupted(job: Job, folder: Path, *, steps: int = 0, times: int = 1) -> bool:
+    """Sweep the job until Ctrl-C is pressed so often after some of its steps."""
+    folder.mkdir()
+    boards: list[Board] = []
+
+    def press() -> None:
+        while not (boards and any(running.steps >= steps for running in boards[0].running())):
+            time.sleep(0.01)
+        for _ in range(times):
+            os.kill(os.getpid(), signal.SIGINT)
+            while not boards[0].stopping:
+                time.sleep(0.01)
+
+    threading.Thread(target=press, daemon=True).start()
+    watch = lambda board, _: boards.append(board)  # noqa: E731
+    return sweep([replace(job, method=ENDLESS)], folder, Conduct(artefacts="none"), watch, alone=True)
+
+
+def test_ctrl_c_lets_a_job_in_this_process_finish_its_step(job: Job, tmp_path: Path) -> None:
+    assert not interrupted(job, tmp_path / "out", steps=1)
+    (record,) = read_records(tmp_path / "out" / "results.jsonl").values()
+    assert record.stop_reason == "STOPPED"
+    assert record.low_level_steps > 0
+    assert not record.is_final
+
+
+def test_a_second_ctrl_c_ends_a_job_in_this_process_at_once(
+    job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker, "solve", wait)
+    with pytest.raises(KeyboardInterrupt):
+        interrupted(job, tmp_path / "out", times=2)
+    assert not (tmp_path / "out" / "results.jsonl").exists()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -1,0 +1,42 @@
+"""Surfaces are closed, look outwards and have the right size."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ictamp_drake.models
+from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
+
+
+def volume(triangles: np.ndarray) -> float:
+    """Inside a closed surface that looks outwards [m³]."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    return float(np.sum(a * np.cross(b, c)) / 6)
+
+
+@pytest.mark.parametrize(
+    ("triangles", "size", "inside"),
+    [
+        (box(np.array([0.2, 0.4, 0.6])), (0.2, 0.4, 0.6), 0.048),
+        (cylinder(0.1, 0.5), (0.2, 0.2, 0.5), np.pi * 0.005),
+        (capsule(0.1, 0.0), (0.2, 0.2, 0.2), np.pi * 0.004 / 3),
+        (capsule(0.1, 0.5), (0.2, 0.2, 0.7), np.pi * (0.004 / 3 + 0.005)),
+    ],
+)
+def test_shapes_have_their_size_and_volume(triangles: np.ndarray, size: tuple[float, ...], inside: float) -> None:
+    points = triangles.reshape(-1, 3)
+    np.testing.assert_allclose(points.max(axis=0), np.array(size) / 2, atol=1e-9)
+    np.testing.assert_allclose(points.min(axis=0), -np.array(size) / 2, atol=1e-9)
+    assert volume(triangles) == pytest.approx(inside, rel=0.02)
+
+
+def test_a_link_stands_upright_in_its_colour() -> None:
+    path = Path(ictamp_drake.models.__file__).parent / "sdf" / "panda_link0.gltf"
+    triangles, colour = read_gltf(path)
+    low, high = triangles.reshape(-1, 3).min(axis=0), triangles.reshape(-1, 3).max(axis=0)
+    assert low[2] == pytest.approx(0.0, abs=0.01)
+    assert high[2] == pytest.approx(0.14, abs=0.02)
+    assert volume(triangles) > 0
+    assert colour.shape == (3,)
+    assert colour.min() > 0.5
