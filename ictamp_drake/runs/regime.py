@@ -65,7 +65,8 @@ def read_regime(folder: Path) -> Regime:
 def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.DataFrame:
     """A row a run, sorted by level, strategy, problem and seed.
 
-    Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended; `counted`, the same, but the
+    Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended, of processor time where the
+    record has it, which neighbours on the machine do not lengthen; `counted`, the same, but the
     time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, `duration`
     on the arm [s], `replay`, the computing time of executing it alone, `executions`, how often that was done at least,
     `pace`, the computing time of a second of it, and `paced`, the time divided by that, nan when unsolved, not known or
@@ -80,7 +81,9 @@ def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.
             "problem": [record.problem for record in records],
             "seed": [record.seed for record in records],
             "solved": [record.solved for record in records],
-            "seconds": [record.planning_time_s for record in records],
+            "seconds": [
+                record.planning_time_s if record.cpu_time_s is None else record.cpu_time_s for record in records
+            ],
             "plans": [record.high_level_plans for record in records],
             "steps": [record.low_level_steps for record in records],
             "failed": [sum(record.failures.values()) for record in records],

@@ -12,11 +12,12 @@ from ictamp_drake.runs.published import TIME_LIMIT
 from ictamp_drake.runs.regime import Regime
 
 TABLE_1 = (
-    "Means and medians are over the solved runs, as in the paper. Here and below, times are divided by the `pace "
-    "ratio` of strategy and level where that is known. `share`: with Wilson's interval; further seeds of a "
-    "problem do not narrow it. `mean time, all`: over all runs, unsolved ones too. `plans`: high-level plans opened. "
-    "`steps`: low-level steps, each a run of a skill, kinematics and physics together. `duration`: time that the found "
-    "plan takes the arm. Also as [LaTeX]({latex}) and [CSV]({csv})."
+    "Means and medians are over the solved runs, as in the paper. Times are processor times where records have them, "
+    "and else those of the clock. Here and below, they are divided by the `pace ratio` of strategy and level where "
+    "that is known. `share`: with Wilson's interval; further seeds of a problem do not narrow it. `mean time, all`: "
+    "over all runs, unsolved ones too. `plans`: high-level plans opened. `steps`: low-level steps, each a run of a "
+    "skill, kinematics and physics together. `duration`: time that the found plan takes the arm. Also as "
+    "[LaTeX]({latex}) and [CSV]({csv})."
 )
 
 PAPER = (

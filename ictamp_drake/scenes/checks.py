@@ -32,10 +32,10 @@ def check_interval(field: str, ends: Sequence[float], low: float, high: float) -
 
 
 def check_vector(
-    field: str, values: Sequence[float], low: float, high: float, unit: str = "", *, count: Literal[2, 3, 7] = 3
+    field: str, values: Sequence[float], low: float, high: float, unit: str = "", *, count: Literal[2, 3, 7] | None = 3
 ) -> None:
-    """Raise IctampError unless `values` are so many numbers, each between `low` and `high`."""
-    if len(values) != count:
+    """Raise IctampError unless `values` are so many numbers, None for any, each between `low` and `high`."""
+    if count is not None and len(values) != count:
         raise IctampError(f"{field} is {list(values)}, but must be {_WORDS[count]} numbers")
     if not all(low <= value <= high for value in values):
         raise IctampError(f"{field} is {list(values)}, but each number must be between {low:g} and {high:g}{unit}")

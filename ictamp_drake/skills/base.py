@@ -10,7 +10,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.scenes.checks import check_range
+from ictamp_drake.scenes.checks import check_vector
 from ictamp_drake.world.commands import gripper_time, stand_still
 from ictamp_drake.world.world import World
 
@@ -57,8 +57,7 @@ def check_clearances(field: str, clearances: Sequence[float]) -> None:
     """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
     if not clearances:
         raise IctampError(f"{field} is empty, but must have one number or more")
-    for clearance in clearances:
-        check_range(f"a number of {field}", clearance, 0, GRIPPER_MAX_WIDTH, " m")
+    check_vector(field, clearances, 0, GRIPPER_MAX_WIDTH, " m", count=None)
 
 
 def at_end(

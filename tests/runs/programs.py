@@ -51,6 +51,6 @@ def printed(code: str, hash_seed: int) -> str:
 
 def timeless(record: Record) -> dict[str, object]:
     """What a record says apart from times and the machine's load."""
-    times = {"planning_time_s", "cpu_time_s", "replay_time_s", "load"}
+    times = {"planning_time_s", "cpu_time_s", "kinematic_time_s", "geometric_time_s", "replay_time_s", "load"}
     values = {name: value for name, value in vars(record).items() if name not in times}
     return values | {"seconds_by_stage": set(record.seconds_by_stage)}

@@ -44,7 +44,7 @@ def test_a_task_that_takes_too_long_is_ended_whatever_it_catches() -> None:
 def test_a_simulation_that_takes_too_long_is_ended(tmp_path) -> None:  # type: ignore[no-untyped-def]
     (tmp_path / "scene.yaml").write_text(SCENE)
     spec = load_scene(tmp_path / "scene.yaml")
-    physics = PhysicsConfig(settle_time=1e3, rest_speed=1e-6, rest_turn=1e-6, settle_check=10.0).create(spec)
+    physics = PhysicsConfig(settle_time=1e3, rest_speed=1e-6, rest_turn=1e-6, settle_check=10.0).create(World(spec))
     c = World(spec).initial_configuration()
     with inline(bool) as engine, pytest.raises(TimeoutError):
         engine.submit(physics.run, c, (), timeout=0.1).result()
