@@ -32,7 +32,7 @@ def test_a_comfortable_opening_is_tried_first() -> None:
 @pytest.mark.parametrize("config", [PickConfig, PlaceConfig])
 @pytest.mark.parametrize(
     ("clearances", "message"),
-    [((), "clearances is empty"), ((0.01, -0.001), "clearances is .*-0.001.*, but each number must be between 0 and 0.08 m")],
+    [((), "clearances is empty"), ((0.01, -0.001), "clearances is .*-0.001.*, but each number must be")],
 )
 def test_clearances_are_checked(
     config: type[PickConfig | PlaceConfig], clearances: tuple[float, ...], message: str
