@@ -48,7 +48,7 @@ class StepDone(Generic[C]):
 
 @dataclass(frozen=True)
 class Verified(Generic[C]):
-    """A finished plan was judged: its skills were executed, and it passed whatever else was asked of it, or not.
+    """A finished plan was judged after its skills had been executed.
 
     Attributes:
         node: the node at the goal.

@@ -93,7 +93,7 @@ class PlannerConfig:
             listeners: called with every event.
             stop: asked before every computational action; True ends the search as Ctrl-C does.
             clock: seconds from any origin, for the budget.
-            cpu_clock: the same of processor time, for what is told of stages.
+            cpu_clock: seconds of processor time from any origin, for the times of the stages.
         """
         tree = Tree(c, abstraction(c))  # Algorithm 1, line 1
         rule = self.rule.create(estimator)

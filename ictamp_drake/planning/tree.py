@@ -280,9 +280,9 @@ class Tree(Generic[C]):
     def _graft(self, plan: Skeleton) -> None:
         rests: dict[int | None, Skeleton] = {ROOT: plan}
         for node in self.nodes:
-            before = rests.get(node.parent)
             if node.index in self.refuted:
                 continue
+            before = rests.get(node.parent)
             if before and node.attempt and (node.attempt.action, node.s) == (before.actions[0], before.states[1]):
                 rests[node.index] = before.suffix(1)
                 self._hold(node, rests[node.index])

@@ -126,7 +126,7 @@ class Skills:
         return self._judged(attempt, outcome, promised, stopwatch)
 
     def execute(self, c: Configuration, attempt: Attempt[Configuration], promised: State) -> Attempt[Configuration]:
-        """Run the motion of an attempt from c, where it was planned for the configuration that was promised for c."""
+        """Run the motion of an attempt in physics from c; it was planned from what was promised in the place of c."""
         return self._executed(c, attempt, promised, Stopwatch(seconds=attempt.seconds))
 
     def _executed(

@@ -291,7 +291,7 @@ class Physics:
         return self._sleepers.moving(self._scene.x, self.config.rest_speed, self.config.rest_turn)
 
     def _gathering_speed(self) -> frozenset[str]:
-        """The boxes that are slow and were slower at the look before the last one, as when one begins to topple."""
+        """The boxes that are slow, but faster than at the look before, as when one begins to topple."""
         before, now = self._looked
         return self._sleepers.accelerating(before, now, self.config.rest_speed / 20, self.config.rest_turn / 20)
 
