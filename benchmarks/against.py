@@ -25,14 +25,14 @@ from typing import Any
 import pandas as pd
 import tyro
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.files import write_whole
 from ictamp_drake.experiments.strategies import STRATEGIES
-from ictamp_drake.runs.comparison import PROBLEM, ratio
-from ictamp_drake.runs.files import write_whole
+from ictamp_drake.reports.comparison import PROBLEM, ratio
+from ictamp_drake.reports.markdown import filled, table
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import RESULTS, opened
-from ictamp_drake.runs.markdown import filled, table
-from ictamp_drake.runs.options import Conduct
-from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.scenes.levels import problem_files
 
 ROOT = Path(__file__).parents[1]

@@ -16,7 +16,7 @@ from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.dataset import scene
-from ictamp_drake.runs.predictions import by_scene
+from ictamp_drake.reports.predictions import by_scene
 from ictamp_drake.world.world import World
 
 DATA = Path(__file__).parents[1] / "data" / "outcomes"

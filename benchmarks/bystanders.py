@@ -21,8 +21,9 @@ import numpy as np
 import tyro
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 
 SCENES = Path(__file__).with_name("scenes") / "bystanders"
 
@@ -44,7 +45,7 @@ class Options:
 
 def paces(scene: Path, method: Method) -> tuple[bool, list[float]]:
     """Whether the scene's problem was solved, and the processor time of a simulated second in each executed skill."""
-    result = solve(prepare(scene, method), method).result
+    result = solve(load(scene, method), method).result
     attempts = [step.attempt for step in result.tree.steps if step.attempt.successor is not None]
     return result.solved, [attempt.seconds["physics"] / attempt.duration for attempt in attempts]
 

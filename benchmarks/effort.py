@@ -12,8 +12,8 @@ from statistics import median
 
 from ictamp_drake.experiments.strategies import methods
 from ictamp_drake.runs.records import Record, read_records
-from ictamp_drake.runs.solve import prepare
 from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.tamp.task import load
 
 RESULTS = Path(__file__).parent / "results"
 REGIMES = ("paper", "default")
@@ -38,7 +38,7 @@ def of_motion(records: list[Record]) -> float:
 def of_expansion(level: str) -> float:
     """Computing time of an expansion, of those until the first plan [s]."""
     ((method,),) = methods("default", ["p-score"], [0]).values()
-    task = prepare(problem_files(level)[0], method)
+    task = load(problem_files(level)[0], method)
     generator = method.parts.generator.create(task.domain, task.abstraction(task.c), task.goal)
     start = time.perf_counter()
     generator.next_plan(100_000)

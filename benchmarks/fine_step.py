@@ -15,10 +15,10 @@ from pathlib import Path
 import pandas as pd
 import tyro
 
-from ictamp_drake.runs import markdown
+from ictamp_drake.reports import markdown
 from ictamp_drake.runs.folder import RESULTS
-from ictamp_drake.runs.plan_file import read_plan
 from ictamp_drake.runs.records import read_records
+from ictamp_drake.tamp.plan import read_plan
 from ictamp_drake.world.simulate import PhysicsConfig
 
 OUT = Path(__file__).with_suffix(".md")

@@ -10,10 +10,10 @@ from itertools import pairwise
 from typing import TypeVar
 
 from ictamp_drake.core.types import Atom, State
-from ictamp_drake.plan import METHOD
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, LYING, ON, TIPPED, UPRIGHT
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.skeletons import BreadthFirst
+from ictamp_drake.tamp.method import SCENE_METHOD
 
 T = TypeVar("T")
 SUPPORTS = ("rack", "table", "tray")
@@ -51,7 +51,7 @@ def report(name: str, towers: list[tuple[str, ...]], wanted: list[tuple[str, ...
     start, goal = initial(towers, tipped), standing(wanted, tipped)
     seconds, domain = timed(lambda: Domain.create(boxes, SUPPORTS, start))
     row = f"{name:24} {len(domain.actions):8} {seconds:10.3f}"
-    for config in (METHOD.parts.generator, BreadthFirst()):
+    for config in (SCENE_METHOD.parts.generator, BreadthFirst()):
 
         def first_plan() -> tuple[int, int]:
             stream = config.create(domain, start, goal)  # noqa: B023  (called at once)

@@ -19,13 +19,13 @@ from typing import Any
 time.perf_counter = time.process_time
 
 PLACES: dict[str, tuple[str, ...]] = {
-    "Method": ("ictamp_drake.runs.options",),
-    "prepare": ("ictamp_drake.runs.solve",),
-    "solve": ("ictamp_drake.runs.solve",),
-    "record_of": ("ictamp_drake.runs.records",),
-    "problem_files": ("ictamp_drake.scenes.levels",),
+    "Method": ("tamp.method:Method", "runs.options:Method"),
+    "load": ("tamp.task:load", "runs.solve:prepare"),
+    "solve": ("tamp.solve:solve", "runs.solve:solve"),
+    "record_of": ("runs.records:record_of",),
+    "problem_files": ("scenes.levels:problem_files",),
 }
-"""Modules that names are or were in; a name that moves gets one more."""
+"""Where the package keeps what is measured, or kept it; what moves gets one more place."""
 
 FIGURES = (
     "solved",
@@ -45,8 +45,9 @@ FIGURES = (
 def find(name: str) -> Any:
     """What has that name in this tree."""
     for place in PLACES[name]:
+        module, _, attribute = place.partition(":")
         try:
-            return getattr(importlib.import_module(place), name)
+            return getattr(importlib.import_module(f"ictamp_drake.{module}"), attribute)
         except (ImportError, AttributeError):
             continue
     raise ImportError(f"cannot find {name} in {', '.join(PLACES[name])}")
@@ -60,11 +61,11 @@ def solved(problem: dict[str, Any], method: Any) -> dict[str, Any]:
         method: how it is solved.
     """
     path = find("problem_files")(problem["level"], str(problem["number"]))[0] if "number" in problem else None
-    prepare, solve = find("prepare"), find("solve")
+    load, solve = find("load"), find("solve")
     gc.collect()  # of the problem before
     start = time.process_time()
     try:
-        solution = solve(prepare(path or Path(problem["scene"]), method), method)
+        solution = solve(load(path or Path(problem["scene"]), method), method)
         seconds = time.process_time() - start
         record = vars(find("record_of")("", "", None, method.seed, solution))
     except Exception:

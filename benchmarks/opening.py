@@ -89,7 +89,7 @@ def solve(size: int, number: int, barred: float, config: BreadthFirst | BestFirs
     state = standing(start) | about | {Atom(HAND_EMPTY, ())}
     planner = PlannerConfig(Budget(seconds=1e6, steps=STEPS), rule=ProportionalConfig(W=W)).create(
         c=Configuration(state, 0),
-        abstraction=lambda c: c.state,
+        s=state,
         generator=config.create(Domain.create(boxes, SUPPORTS, state), state, goal),
         skills=Skills((size, number), goal, barred),
         estimator=ConstantConfig(0.9).create(),

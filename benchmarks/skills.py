@@ -27,7 +27,7 @@ from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration
 from ictamp_drake.learning.dataset import action, configuration, opened, scene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.runs import markdown
+from ictamp_drake.reports import markdown
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.skills.optimisation import OptimisationConfig
 from ictamp_drake.skills.policy import PolicyConfig
@@ -46,7 +46,7 @@ SOURCES = {
     "best": "policy, best of 16 by Q",
     "product": "policy, best of 16 with a motion",
 }
-"""Sources of k by their name in `runs.walk.Sources`."""
+"""Sources of k by their name in `collection.walk.Sources`."""
 TIMED = 200
 """Cases in which the sources are timed."""
 CASE = ["scene", "state", "action", "box", "place"]

@@ -18,11 +18,12 @@ import numpy as np
 import tyro
 
 from ictamp_drake.core.types import Configuration, Motion
-from ictamp_drake.runs import markdown
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.replay import Replay, replay
-from ictamp_drake.runs.solve import Task, prepare, solve
+from ictamp_drake.reports import markdown
 from ictamp_drake.scenes.levels import LEVELS, problem_files
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.replay import Replay, replay
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import Task, load
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.simulate import Physics, Watcher
@@ -89,7 +90,7 @@ class Counted(Physics):
 def compare(level: str, path: Path) -> Comparison | None:
     """Solve a problem and execute its plan both ways; None when it was not solved."""
     method = Method()
-    task = prepare(path, method)
+    task = load(path, method)
     counted = Counted(task.world, method.physics)
     result = solve(replace(task, physics=counted), method).result
     if not result.solved or result.plan is None:

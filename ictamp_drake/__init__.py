@@ -1,1 +1,81 @@
-"""Task and motion planning on Drake with an infinite completion tree and learned skills."""
+"""Task and motion planning on Drake with an infinite completion tree and learned skills.
+
+    import ictamp_drake as ict
+
+    task = ict.load("scene.yaml")
+    solution = ict.solve(task, time_limit=30)
+    if solution.plan is None:
+        print(solution.explain())
+    else:
+        solution.plan.save("plan.yaml")
+
+These names are for users; `ictamp_drake.plugins` is for authors of samplers, estimators, rules and skills.
+"""
+
+from importlib import import_module, metadata
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ictamp_drake.core.errors import IctampError
+    from ictamp_drake.core.failures import Failure
+    from ictamp_drake.scenes.spec import ArmSpec as Arm
+    from ictamp_drake.scenes.spec import BoxSpec as Box
+    from ictamp_drake.scenes.spec import SceneSpec as Scene
+    from ictamp_drake.scenes.spec import SupportSpec as Support
+    from ictamp_drake.tamp.explanation import Explanation
+    from ictamp_drake.tamp.method import Method
+    from ictamp_drake.tamp.plan import Plan
+    from ictamp_drake.tamp.solve import Solution, solve
+    from ictamp_drake.tamp.task import Task, load
+    from ictamp_drake.world.observed import Start
+
+__all__ = [
+    "Arm",
+    "Box",
+    "Explanation",
+    "Failure",
+    "IctampError",
+    "Method",
+    "Plan",
+    "Scene",
+    "Solution",
+    "Start",
+    "Support",
+    "Task",
+    "__version__",
+    "load",
+    "solve",
+]
+
+_HOMES = {
+    "Arm": "scenes.spec:ArmSpec",
+    "Box": "scenes.spec:BoxSpec",
+    "Explanation": "tamp.explanation:Explanation",
+    "Failure": "core.failures:Failure",
+    "IctampError": "core.errors:IctampError",
+    "Method": "tamp.method:Method",
+    "Plan": "tamp.plan:Plan",
+    "Scene": "scenes.spec:SceneSpec",
+    "Solution": "tamp.solve:Solution",
+    "Start": "world.observed:Start",
+    "Support": "scenes.spec:SupportSpec",
+    "Task": "tamp.task:Task",
+    "load": "tamp.task:load",
+    "solve": "tamp.solve:solve",
+}
+"""Where each public name is defined. It is imported when it is first used, since Drake and torch take a second."""
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return metadata.version("ictamp_drake")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'ictamp_drake' has no attribute {name!r}")
+    module, _, attribute = _HOMES[name].partition(":")
+    value = getattr(import_module(f"ictamp_drake.{module}"), attribute)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -7,22 +7,15 @@ from typing import Annotated
 
 import tyro
 
-from ictamp_drake.planning.proportional import ProportionalConfig
-from ictamp_drake.runs.options import Conduct, Method, Planners
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Prepared, Problem
-
-METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
-"""How a scene is planned in unless told otherwise; experiments keep the defaults of `Method`.
-
-Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
-thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first
-search and 30 (`benchmarks/opening.py`).
-"""
+from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.tamp.method import SCENE_METHOD, Method
+from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlanOptions:
     """Plan in the scene of a file until its goal is reached, execute and record the plan.
 
     High-level plans come from best-first search by default, and W is chosen with it; with --generator breadth-first,
@@ -36,21 +29,21 @@ class Plan:
 
     scene: tyro.conf.Positional[Path]
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
-    method: Annotated[Method, tyro.conf.arg(name="")] = METHOD
+    method: Annotated[Method, tyro.conf.arg(name="")] = SCENE_METHOD
 
 
-def work(options: Plan) -> Work:
+def work(options: PlanOptions) -> Work:
     """The one problem.
 
     Raises:
         IctampError: what is wrong with the scene; nothing has been written then.
     """
-    prepared = Prepared.read(options.scene, options.method)
+    task = load(options.scene, options.method)
     name = options.scene.stem
-    about = {"program": "plan", "scene": asdict(prepared.task.spec), "options": options.method.decisive}
-    job = Job(Problem(name, options.scene.absolute()), options.method, prepared=prepared)
+    about = {"program": "plan", "scene": asdict(task.spec), "options": options.method.decisive}
+    job = Job(Problem(name, task.spec), options.method, task=task)
     return Work(name, about, [job], options.conduct)
 
 
 if __name__ == "__main__":
-    sys.exit(main("ictamp_drake.plan", Plan, work))
+    sys.exit(main("ictamp_drake.plan", PlanOptions, work))

@@ -16,10 +16,11 @@ from ictamp_drake.experiments.packing import Packing
 from ictamp_drake.plan import METHOD, Plan, work
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
-from ictamp_drake.runs.plan_file import read_plan, write_plan
 from ictamp_drake.runs.records import Record, read_records
-from ictamp_drake.runs.solve import prepare, solve
 from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.tamp.plan import read_plan, write_plan
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 from ictamp_drake.world.simulate import PhysicsConfig
 from tests.runs.programs import SCENE, run, timeless
 
@@ -209,7 +210,7 @@ def test_the_generator_and_its_W_are_chosen_together() -> None:
 
 def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
     method = Plan(CROWD).method
-    task = prepare(CROWD, method)
+    task = load(CROWD, method)
     assert len(task.domain.boxes) == 21
     stream = method.parts.generator.create(task.domain, task.abstraction(task.c), task.goal)
     plan = stream.next_plan(method.max_expansions)
@@ -222,7 +223,7 @@ def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
 @pytest.mark.parametrize("case", ["neighbours-8-mm", "neighbours-on-two-sides"])
 def test_a_box_is_taken_from_between_its_neighbours_and_what_no_skill_moves_stays(case: str, seed: int) -> None:
     method = replace(METHOD, seed=seed, time_limit=250, max_steps=200)
-    solution = solve(prepare(CASES / f"{case}.yaml", method), method)
+    solution = solve(load(CASES / f"{case}.yaml", method), method)
     assert solution.result.plan is not None, solution.result.stop_reason
     assert sum(bool(step.attempt.motion) for step in solution.result.tree.steps) <= 10
     end = solution.result.plan[-1].successor

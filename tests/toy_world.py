@@ -220,7 +220,7 @@ def toy_planner(
     config = PlannerConfig(Budget(seconds, steps), max_expansions, rule or ProportionalConfig())
     return config.create(
         c=world.start,
-        abstraction=abstraction,
+        s=abstraction(world.start),
         generator=ToyGenerator(world),
         skills=world,
         estimator=estimator or ConstantConfig().create(),

@@ -8,8 +8,9 @@ import numpy as np
 
 from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 from ictamp_drake.world.world import World
 
 
@@ -50,7 +51,7 @@ class Room:
 
 def main() -> None:
     method = Method(sampler="optimisation", time_limit=250)
-    task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
+    task = load(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, parts=replace(method.parts, estimator=RoomConfig())).result
     assert result.solved, result.stop_reason
 

@@ -10,8 +10,9 @@ from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Tree
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Patient(Generic[C]):
 
 def main() -> None:
     method = Method(sampler="optimisation", estimator="constant", time_limit=250)
-    task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
+    task = load(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, parts=replace(method.parts, rule=PatientConfig(patience=2))).result
 
     assert result.solved, result.stop_reason

@@ -8,8 +8,9 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare, solve
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 from ictamp_drake.world.world import World
 
 BELOW_TOP = 0.02  # of the grasp [m]
@@ -45,7 +46,7 @@ class Central:
 
 def main() -> None:
     method = Method(estimator="constant", time_limit=250)
-    task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
+    task = load(Path(__file__).with_name("own_scene.yaml"), method)
     solution = solve(task, method, parts=replace(method.parts, sampler=CentralConfig()))
 
     assert solution.result.plan is not None, solution.result.stop_reason

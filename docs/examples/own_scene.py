@@ -3,10 +3,11 @@
 from dataclasses import replace
 from pathlib import Path
 
-from ictamp_drake.runs.artefacts import write_artefacts
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare, solve
 from ictamp_drake.scenes.spec import BoxSpec, load_scene
+from ictamp_drake.tamp.artefacts import write_artefacts
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 
 
 def main() -> None:
@@ -17,7 +18,7 @@ def main() -> None:
     spec = replace(spec, boxes={**spec.boxes, "green_box": green}, goal="(on red_box rack)")
 
     method = Method(sampler="optimisation", estimator="constant", seed=1, time_limit=250)
-    task = prepare(spec, method)  # from a file: prepare(path, method)
+    task = load(spec, method)  # from a file: load(path, method)
     solution = solve(task, method)
 
     assert solution.result.plan is not None, solution.result.stop_reason

@@ -7,11 +7,12 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare, solve
 from ictamp_drake.skills.base import imagined
 from ictamp_drake.skills.geometry import raised
 from ictamp_drake.skills.pick import Pick, PickConfig
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import solve
+from ictamp_drake.tamp.task import load
 from ictamp_drake.world.world import World
 
 
@@ -62,7 +63,7 @@ class ProvenPick:
 
 def main() -> None:
     method = Method(sampler="optimisation", estimator="constant", time_limit=250)
-    task = prepare(Path(__file__).with_name("own_scene.yaml"), method)
+    task = load(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, parts=replace(method.parts, skills={"pick": ProvenPickConfig()})).result
 
     assert result.plan is not None, result.stop_reason

@@ -7,8 +7,8 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, FloatArray
 from ictamp_drake.estimators.learned import Option, by_skill
-from ictamp_drake.world.observation import Observation, Observer
-from ictamp_drake.world.situations import Numbers, Situations
+from ictamp_drake.observation.situations import Numbers, Situations
+from ictamp_drake.observation.state_matrix import Observation, Observer
 
 if TYPE_CHECKING:
     from ictamp_drake.learning.models import DynamicsModel, SkillModel

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
-from ictamp_drake.world.observation import Observation
-from ictamp_drake.world.situations import Numbers
+from ictamp_drake.observation.situations import Numbers
+from ictamp_drake.observation.state_matrix import Observation
 
 Option = tuple[Configuration, Skeleton]
 

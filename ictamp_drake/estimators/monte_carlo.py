@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton, State
-from ictamp_drake.scenes.checks import check_range
 
 
 @dataclass(frozen=True)

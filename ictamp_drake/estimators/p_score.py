@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.estimators.learned import Option, by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
-from ictamp_drake.scenes.checks import check_range
-from ictamp_drake.world.observation import Observation, Observer
-from ictamp_drake.world.situations import Numbers
+from ictamp_drake.observation.situations import Numbers
+from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanParameters
 from ictamp_drake.core.seeding import Stream, generator
@@ -14,8 +15,7 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.estimators.imagination import Imagination, Rollouts, refined
 from ictamp_drake.estimators.learned import Option
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
-from ictamp_drake.scenes.checks import check_range
-from ictamp_drake.world.observation import Observer
+from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.world.world import World
 
 

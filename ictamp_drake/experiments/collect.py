@@ -3,7 +3,7 @@
 `python -m ictamp_drake.experiments.collect --scenes 0:500 --out data/attempts`
 
 The same command goes on where it was interrupted, however that happened. What the rows are is said in
-`learning.dataset`, what the walks are in `runs.walk`, and where scenes come from in `scenes.training`.
+`learning.dataset`, what the walks are in `collection.walk`, and where scenes come from in `scenes.training`.
 """
 
 import json
@@ -18,16 +18,16 @@ from typing import Annotated
 import tyro
 from rich.console import Console
 
+from ictamp_drake.collection.shards import Shards, summary
+from ictamp_drake.collection.walk import WalkConfig, write_walk
+from ictamp_drake.core.checks import check_range
+from ictamp_drake.core.files import make_folder, read_json, write_whole
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.runs.engine import EngineConfig
-from ictamp_drake.runs.files import make_folder, read_json, write_whole
 from ictamp_drake.runs.folder import check_same, locked
 from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.progress import clock
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.runs.shards import Shards, summary
-from ictamp_drake.runs.walk import WalkConfig, write_walk
-from ictamp_drake.scenes.checks import check_range
 from ictamp_drake.scenes.levels import parse_selection
 
 COLLECTION = "collection.json"

@@ -15,19 +15,19 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from ictamp_drake.learning.accuracy import Accuracy, compared
+from ictamp_drake.core.checks import check_choice, check_different, check_range
+from ictamp_drake.core.files import make_folder, write_whole
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, Kind, load
 from ictamp_drake.learning.dataset import fingerprint
-from ictamp_drake.runs.accuracy_table import as_csv, markdown, report
+from ictamp_drake.reports.accuracy import Accuracy, compared
+from ictamp_drake.reports.accuracy_figures import draw_all
+from ictamp_drake.reports.accuracy_table import as_csv, markdown, report
+from ictamp_drake.reports.contenders import BaseRates, Contender, contenders
+from ictamp_drake.reports.predictions import by_scene, predicted
 from ictamp_drake.runs.command import COMPLETE, command
-from ictamp_drake.runs.contenders import BaseRates, Contender, contenders
-from ictamp_drake.runs.files import make_folder, write_whole
 from ictamp_drake.runs.folder import RUNS
-from ictamp_drake.runs.predictions import by_scene, predicted
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.scenes.checks import check_choice, check_different, check_range
-from ictamp_drake.viz.accuracy import draw_all
 
 NAME = "ictamp_drake.experiments.estimator_accuracy"
 

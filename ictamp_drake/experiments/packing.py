@@ -9,10 +9,12 @@ from typing import Annotated
 
 import tyro
 
-from ictamp_drake.runs.options import Conduct, Method, one_of
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, problem_files
+from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.tamp.method import Method, one_of
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,8 @@ def work(options: Packing) -> Work:
     """
     level = options.level
     files = problem_files(level, options.problems)
-    jobs = [Job(Problem(f"{level}-{path.stem}", path, level), options.method) for path in files]
+    problems = (Problem(f"{level}-{path.stem}", load_scene(path), level) for path in files)
+    jobs = [Job(problem, options.method) for problem in problems]
     about = {"program": "packing", "level": level, "options": options.method.decisive}
     return Work(f"packing-{level}", about, jobs, options.conduct)
 

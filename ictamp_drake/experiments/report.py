@@ -15,14 +15,14 @@ from typing import Any
 from matplotlib.figure import Figure
 from rich.console import Console
 
+from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs import results_table
+from ictamp_drake.core.files import make_folder, read_json, write_whole
+from ictamp_drake.reports import results_table
+from ictamp_drake.reports.pace import at_equal_pace
+from ictamp_drake.reports.regime import Regime, read_regime
+from ictamp_drake.reports.results_page import Chapter, page
 from ictamp_drake.runs.command import COMPLETE, command
-from ictamp_drake.runs.files import make_folder, read_json, write_whole
-from ictamp_drake.runs.pace import at_equal_pace
-from ictamp_drake.runs.regime import Regime, read_regime
-from ictamp_drake.runs.results_page import Chapter, page
-from ictamp_drake.scenes.checks import check_choice
 from ictamp_drake.viz.curves import success
 from ictamp_drake.viz.effort import depths, stages
 from ictamp_drake.viz.figures import write_figures

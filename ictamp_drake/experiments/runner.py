@@ -7,21 +7,23 @@ same command with --out FOLDER goes on where it was interrupted, and may add str
 """
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import tyro
 
+from ictamp_drake.core.checks import check_choice, check_different, check_range
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
-from ictamp_drake.runs.options import Conduct, Method, one_of
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.solve import prepare
 from ictamp_drake.runs.worker import Job, Problem
-from ictamp_drake.scenes.checks import check_choice, check_different, check_range
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
+from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.tamp.method import Method, one_of
+from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
@@ -65,34 +67,38 @@ def work(options: Runner) -> Work:
     scenes = _scenes(options.scenes, next(iter(by_strategy.values()))[0])
     jobs = [
         Job(problem, method, strategy)
-        for problem in _problems(options)
+        for problem in [*_of_levels(options), *scenes]
         for strategy, seeded in by_strategy.items()
         for method in seeded
     ]
     strategies = {name: _seedless(seeded[0].decisive) for name, seeded in by_strategy.items()}
-    about = {"program": "runner", "regime": options.regime, "strategies": strategies, "scenes": scenes}
+    about = {"program": "runner", "regime": options.regime, "strategies": strategies}
+    about["scenes"] = {problem.name: asdict(problem.spec) for problem in scenes}
     return Work(f"runner-{options.regime}", about, jobs, options.conduct)
 
 
-def _problems(options: Runner) -> list[Problem]:
+def _of_levels(options: Runner) -> list[Problem]:
     levels = options.levels or (() if options.scenes else PAPER_LEVELS)
-    committed = [problem for level in levels for problem in _of_level(level, options.problems)]
-    return committed + [Problem(path.stem, path.absolute()) for path in options.scenes]
+    return [
+        Problem(name, load_scene(path), level)
+        for level in levels
+        for name, path in _names(level, options.problems).items()
+    ]
 
 
-def _of_level(level: str, selection: str) -> list[Problem]:
-    return [Problem(f"{level}-{path.stem}", path, level) for path in problem_files(level, selection)]
+def _names(level: str, selection: str) -> dict[str, Path]:
+    return {f"{level}-{path.stem}": path for path in problem_files(level, selection)}
 
 
-def _scenes(paths: Sequence[Path], method: Method) -> Mapping[str, Any]:
-    """The content of a user's scenes by name; each must be fit for planning, and named unlike the levels' problems."""
-    files = {problem.name: problem.path for level in LEVELS for problem in _of_level(level, ":")}
-    scenes: dict[str, Any] = {}
+def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
+    """Scenes of the user's own; each must be fit for planning, and named unlike the levels' problems."""
+    files = {name: path for level in LEVELS for name, path in _names(level, ":").items()}
+    scenes: list[Problem] = []
     for path in paths:
         if path.stem in files:
             raise IctampError(f"scenes has {path}, but the name is taken by {files[path.stem]}; rename one of them")
         files[path.stem] = path
-        scenes[path.stem] = asdict(prepare(path, method).spec)
+        scenes.append(Problem(path.stem, load(path, method).spec))
     return scenes
 
 

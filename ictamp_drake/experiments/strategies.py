@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import tyro
 
+from ictamp_drake.core.checks import check_different
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.options import Method
-from ictamp_drake.scenes.checks import check_different
+from ictamp_drake.tamp.method import Method
 
 _PRODUCT = (
     "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "

@@ -18,7 +18,7 @@ from ictamp_drake.learning.models import EstimatorModel, arrays_of, load_skill
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.objectives import Classification
 from ictamp_drake.learning.training import FitConfig
-from ictamp_drake.world.observation import Observation
+from ictamp_drake.observation.state_matrix import Observation
 
 
 @dataclass(frozen=True)

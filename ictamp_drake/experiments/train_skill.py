@@ -17,7 +17,7 @@ from ictamp_drake.learning.models import SkillModel, arrays_of
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining
 from ictamp_drake.learning.training import FitConfig
-from ictamp_drake.world.observation import Observation
+from ictamp_drake.observation.state_matrix import Observation
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from typing import Any, Protocol, TypeVar
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Split, batch, joined, split
 from ictamp_drake.learning.checkpoint import SKILLS
@@ -22,7 +23,6 @@ from ictamp_drake.learning.training import Data, Figures, Fit, FitConfig, start
 from ictamp_drake.runs.command import COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.folder import RUNS
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.scenes.checks import check_choice
 
 
 class Options(Protocol):

@@ -1,7 +1,6 @@
 """Files of what was learned: safetensors, and as metadata, in JSON, all that explains the numbers. Knows no torch."""
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,8 @@ from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.world.observation import SCHEMA
+from ictamp_drake.core.files import whole
+from ictamp_drake.observation.state_matrix import SCHEMA
 
 SHIPPED = Path(__file__).parent / "checkpoints"
 """Folder of the checkpoints that come with the package."""
@@ -116,11 +116,10 @@ def check_all(folder: Path, kind: Kind) -> None:
 
 def write(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> None:
     """Write arrays, and metadata as JSON, to a file that appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     text = json.dumps(metadata)  # in one piece, since the order of several is different every time
-    save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, {_METADATA: text})
-    temporary.chmod(0o644)
-    temporary.replace(path)
+    with whole(path) as temporary:
+        save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, {_METADATA: text})
+        temporary.chmod(0o644)
 
 
 def read(path: Path) -> tuple[Arrays, dict[str, Any]]:

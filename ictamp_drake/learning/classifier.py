@@ -7,7 +7,7 @@ from torch import Tensor, nn
 
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.parameters import FEATURES, SEEN, with_k
-from ictamp_drake.world.observation import SCHEMA
+from ictamp_drake.observation.state_matrix import SCHEMA
 
 
 class Belief(NamedTuple):

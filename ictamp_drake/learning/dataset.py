@@ -5,7 +5,6 @@ itself and the text of its scene, not the state matrix, so that a new schema of 
 """
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
@@ -21,9 +20,10 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.files import whole
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
 from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec, SupportSpec
-from ictamp_drake.world.observation import ROWS, SCHEMA, Observation, Observer
 
 _WORD = pa.dictionary(pa.int32(), pa.string())
 
@@ -122,18 +122,17 @@ def merge(paths: Sequence[Path], target: Path) -> None:
 
 
 def _write(table: pa.Table, path: Path) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     words = [field.name for field in FIELDS if pa.types.is_dictionary(field.type)]
-    pq.write_table(
-        table,
-        temporary,
-        compression="zstd",
-        compression_level=12,
-        use_dictionary=words,
-        dictionary_pagesize_limit=2**26,  # a dictionary of scenes is large, and must never give way to plain text
-        write_statistics=["scene"],
-    )
-    temporary.replace(path)
+    with whole(path) as temporary:
+        pq.write_table(
+            table,
+            temporary,
+            compression="zstd",
+            compression_level=12,
+            use_dictionary=words,
+            dictionary_pagesize_limit=2**26,  # a dictionary of scenes is large, and must never give way to plain text
+            write_statistics=["scene"],
+        )
 
 
 def opened(folder: Path) -> pads.Dataset:

@@ -5,8 +5,8 @@ from torch import Tensor, nn
 
 from ictamp_drake.learning import parameters
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.world.observation import SCHEMA
-from ictamp_drake.world.situations import LIFT
+from ictamp_drake.observation.situations import LIFT
+from ictamp_drake.observation.state_matrix import SCHEMA
 
 SCALES = (0.01, 0.01, 0.01, 0.1)
 """Of errors in x, y, z [m] and yaw [rad]."""

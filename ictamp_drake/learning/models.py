@@ -20,7 +20,7 @@ from ictamp_drake.learning.dynamics import Dynamics
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.parameters import parameter
 from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
-from ictamp_drake.world.observation import Observation
+from ictamp_drake.observation.state_matrix import Observation
 
 Module = TypeVar("Module", bound=nn.Module)
 

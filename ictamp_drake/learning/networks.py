@@ -7,8 +7,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import relu_
 
-from ictamp_drake.scenes.checks import check_range
-from ictamp_drake.world.observation import ROWS
+from ictamp_drake.core.checks import check_range
+from ictamp_drake.observation.state_matrix import ROWS
 
 ROLES = 3
 """The first rows of a matrix, each of which has a role of its own; the rows after them are a set."""

@@ -8,12 +8,12 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import binary_cross_entropy_with_logits as cross_entropy
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dynamics import Dynamics, error
 from ictamp_drake.learning.parameters import normalised, parameter
 from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
-from ictamp_drake.scenes.checks import check_range
 
 
 class Objective(Protocol):

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ictamp_drake.learning.clearance import PARTS, Blocks, clearances
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
-from ictamp_drake.world.observation import ROWS, SCHEMA
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA
 
 PLACE_HEIGHT = (0.010, 0.012)
 """Middle and half of the range of a placement's height above the top face [m]."""

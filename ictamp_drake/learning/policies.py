@@ -9,10 +9,10 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import softplus
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.parameters import FEATURES, GLIMPSES, SEEN, glimpses, wrapped
-from ictamp_drake.scenes.checks import check_range
-from ictamp_drake.world.observation import SCHEMA
+from ictamp_drake.observation.state_matrix import SCHEMA
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.parameters import wrapped
-from ictamp_drake.world.observation import ROWS, SCHEMA
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA
 
 _BASE, _TARGET, _HAND = (SCHEMA.group(name) for name in ("base", "target", "hand"))
 _SIDES = (SCHEMA.group("box"), SCHEMA.group("support"))

@@ -10,13 +10,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import read, write
 from ictamp_drake.learning.objectives import Objective
 from ictamp_drake.learning.symmetry import varied
-from ictamp_drake.scenes.checks import check_range
 
 STATE = "state.safetensors"
 LOG = "epochs.jsonl"

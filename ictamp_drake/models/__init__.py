@@ -1,4 +1,4 @@
-"""Robot, supports and boxes: SDF files written by `python -m ictamp_drake.models.write`, and their constants."""
+"""Robot, supports and boxes: SDF files written by `python -m tools.panda.write`, and their constants."""
 
 from ictamp_drake.models.constants import (
     ARM_JOINTS,

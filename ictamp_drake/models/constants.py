@@ -109,6 +109,15 @@ MAX_GRIP_FORCE = 70.0
 MAX_FINGER_SPEED = 0.05
 """Speed of each finger [m/s]."""
 
+PAD_HALF_WIDTH = 0.01
+"""Half width of a pad along the finger frame's x [m]."""
+PAD_HALF_HEIGHT = 0.0095
+"""Half height of a pad along the finger frame's z [m]."""
+PAD_THICKNESS = 0.0155
+"""Thickness of finger and pad from the gripping face, which is the finger frame's plane y = 0, outwards [m]."""
+PAD_CENTRE = 0.045
+"""Height of the pad's centre above the finger's frame, so that it stands in the grasp frame G [m]."""
+
 HOME: FloatArray = np.array([0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4])
 """A comfortable configuration of the arm, the hand pointing down in front of the base [rad], shape (7,)."""
 HOME.setflags(write=False)

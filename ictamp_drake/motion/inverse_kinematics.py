@@ -11,12 +11,12 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, HOME
+from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.postures import postures
-from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.world.build import add_panda
-from ictamp_drake.world.matrices import forward
 
 LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
 UPPER: FloatArray = np.array([limits.upper for limits in ARM_LIMITS])

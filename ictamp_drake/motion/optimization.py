@@ -9,11 +9,11 @@ from pydrake.planning import KinematicTrajectoryOptimization
 from pydrake.solvers import Binding, LinearConstraint, SnoptSolver, SolverOptions
 from scipy.interpolate import BSpline
 
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.motion.splines import differentiation, knots, paces
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.scenes.checks import check_fields
 
 LEAST_POINTS = 7
 """Control points that a spline has at least: three at each end do not move."""

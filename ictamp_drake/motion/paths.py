@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from ompl import base, geometric, util
 
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
-from ictamp_drake.scenes.checks import check_fields
 
 util.setLogLevel(util.LOG_NONE)
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import DH_PARAMETERS
-from ictamp_drake.world.matrices import X_7G, inverse, link
+from ictamp_drake.models.kinematics import X_7G, link
+from ictamp_drake.world.matrices import inverse
 
 _P_BS: FloatArray = np.array([0.0, 0.0, DH_PARAMETERS[0].d])
 _S: FloatArray = np.array([DH_PARAMETERS[4].a, -DH_PARAMETERS[2].d])

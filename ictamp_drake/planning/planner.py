@@ -9,7 +9,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import Abstraction, Estimator, PlanGenerator, SkillRunner
+from ictamp_drake.core.protocols import Estimator, PlanGenerator, SkillRunner
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Attempt, C, State
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
@@ -66,7 +66,7 @@ class PlannerConfig:
         self,
         *,
         c: C,
-        abstraction: Abstraction[C],
+        s: State,
         generator: PlanGenerator,
         skills: SkillRunner[C],
         estimator: Estimator[C],
@@ -82,7 +82,7 @@ class PlannerConfig:
 
         Args:
             c: c_init, the configuration to start from.
-            abstraction: H.
+            s: H(c_init).
             generator: high-level plans from H(c_init) to the goal.
             skills: runs one skill once.
             estimator: P, handed to the selection rule.
@@ -95,7 +95,7 @@ class PlannerConfig:
             clock: seconds from any origin, for the budget.
             cpu_clock: seconds of processor time from any origin, for the times of the stages.
         """
-        tree = Tree(c, abstraction(c))  # Algorithm 1, line 1
+        tree = Tree(c, s)  # Algorithm 1, line 1
         rule = self.rule.create(estimator)
         return Planner(
             self, tree, rule, generator, skills, verify, rng, execute, tuple(listeners), stop, clock, cpu_clock

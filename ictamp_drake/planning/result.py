@@ -46,6 +46,11 @@ class ActionReport:
         """True when no attempt succeeded."""
         return self.failures.total() == self.attempts
 
+    @property
+    def refusals(self) -> Counter[Failure]:
+        """Causes for which parameters k were refused, the most frequent first."""
+        return Counter(dict((self.failures + self.rejections).most_common()))
+
     def __str__(self) -> str:
         """One line, e.g. "pick(red_box, rack): 30 of 30: no inverse-kinematics solution"."""
         line = f"{self.action}: {self.failures.total()} of {self.attempts}"

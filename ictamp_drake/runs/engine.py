@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any, Literal, Protocol, TypeVar
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.inline import inline
 from ictamp_drake.runs.pool import isolated
-from ictamp_drake.scenes.checks import check_range
 
 T = TypeVar("T")
 

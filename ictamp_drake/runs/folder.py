@@ -19,11 +19,11 @@ from typing import Any
 import yaml
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.files import make_folder, write_whole
-from ictamp_drake.runs.options import Conduct
+from ictamp_drake.core.files import make_folder, write_whole
+from ictamp_drake.core.reading import mapping, parse, read_text
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.records import drop_torn_line
-from ictamp_drake.scenes.reading import mapping, parse, read_text
 
 RUNS = Path("runs")
 """Where runs go that are not told otherwise."""

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 from rich.console import Console
 
 from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import RESULTS, opened
-from ictamp_drake.runs.options import Conduct
 from ictamp_drake.runs.progress import Progress, clock, counted
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep

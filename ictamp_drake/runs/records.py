@@ -5,6 +5,7 @@ import errno
 import json
 import os
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import UnionType
@@ -12,9 +13,10 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.planning.result import ActionReport, StopReason
-from ictamp_drake.runs.replay import duration
-from ictamp_drake.runs.solve import Solution
+from ictamp_drake.planning.result import StopReason
+from ictamp_drake.tamp.explanation import Blocked, Explanation
+from ictamp_drake.tamp.replay import duration
+from ictamp_drake.tamp.solve import Solution
 
 K = TypeVar("K")
 
@@ -93,6 +95,21 @@ class Record:
         return run_name(self.problem, self.strategy, self.seed)
 
     @property
+    def explanation(self) -> Explanation:
+        """Why the search ended."""
+        blocked = (Blocked(a, _causes(counts), self.obstacles.get(a, {})) for a, counts in self.blocked.items())
+        return Explanation(
+            stop_reason=self.stop_reason,
+            blocked=tuple(blocked),
+            failures=_causes(self.failures),
+            steps=self.low_level_steps,
+            plans=self.high_level_plans,
+            verified=self.verified,
+            planning_time_s=self.planning_time_s,
+            generating_time_s=self.seconds_by_stage.get("plan_generator", 0.0),
+        )
+
+    @property
     def is_final(self) -> bool:
         """False when the problem was interrupted or broke down, so that a run which is continued tries it again."""
         return self.error is None and self.stop_reason != StopReason.STOPPED.name
@@ -132,7 +149,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
             **{stage: _rounded(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
         replay_time_s=None if solution.execution_time_s is None else _rounded(solution.execution_time_s),
-        blocked={str(report.action): _refusals(report) for report in result.blocked},
+        blocked={str(report.action): _named(report.refusals) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
     )
 
@@ -215,8 +232,8 @@ def _named(counts: Counter[Failure]) -> dict[str, int]:
     return {failure.name: count for failure, count in counts.most_common()}
 
 
-def _refusals(report: ActionReport) -> dict[str, int]:
-    return _named(report.failures + report.rejections)
+def _causes(counts: Mapping[str, int]) -> dict[Failure, int]:
+    return {Failure[name]: count for name, count in counts.items()}
 
 
 def _rounded(seconds: float) -> float:

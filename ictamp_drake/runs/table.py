@@ -10,23 +10,12 @@ from rich.table import Table
 from rich.text import Text
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.planning.result import StopReason
-from ictamp_drake.runs.progress import counted
 from ictamp_drake.runs.records import OWN, Record
-
-BLOCKERS = 4
-"""Actions named for a problem that was not solved."""
 
 LEGEND = (
     "Medians over the solved problems: time to a verified plan [s], high-level plans, low-level steps, low-level steps "
     "for each skill of the plan, planning time / computing time of executing the plan once."
 )
-
-OBSTACLES = 3
-"""Things named that were in the way of an action."""
-
-PARAMETERS = {"pick": "grasps", "place": "placements"}
-"""What k is for each skill."""
 
 
 def report(records: Sequence[Record]) -> Group:
@@ -98,38 +87,10 @@ def _failures(failures: Counter[str], steps: int) -> Table:
 
 def unsolved(record: Record) -> Iterator[Text]:
     """Why a problem was not solved: what stood in the way of the actions that never succeeded."""
-    reason = StopReason[record.stop_reason] if record.stop_reason in StopReason.__members__ else record.stop_reason
-    yield Text(f"{record.problem}: {reason}", "bold")
+    explanation = record.explanation
+    yield Text(f"{record.problem}: {explanation.reason}", "bold")
     if record.error is not None:
         yield Text(f"  {record.error.strip()}", "red")
         return
-    if record.verified is False:
-        yield Text("  a plan was carried out to the goal, but failed when it was executed once more")
-    for action, refusals in list(record.blocked.items())[:BLOCKERS]:
-        yield Text(f"  {blocker(action, refusals, record.obstacles.get(action, {}))}")
-    generating = record.seconds_by_stage.get("plan_generator", 0.0)
-    if generating > record.planning_time_s / 4:
-        took = f"{generating:.0f} of {record.planning_time_s:.0f} s went to finding high-level plans"
-        yield Text(f"  {took}; --generator best-first finds the first one sooner")
-    if not record.high_level_plans:
-        yield Text("  no high-level plan was found")
-    elif not record.blocked:
-        failed = f"of {counted(record.low_level_steps, 'step')} {sum(record.failures.values())} failed"
-        causes = f": {_listed(record.failures)}" if record.failures else ""
-        yield Text(f"  every action that was tried succeeded at least once; {failed}{causes}")
-
-
-def blocker(action: str, refusals: dict[str, int], obstacles: dict[str, int]) -> str:
-    """E.g. "pick(red_box, rack): 30 of 30 grasps: grasp or placement in collision; in the way: blue_box (30)"."""
-    total = sum(refusals.values())
-    what = PARAMETERS.get(action.partition("(")[0], "parameters k")
-    line = f"{action}: {total} of {total} {what}: {_listed(refusals)}"
-    worst = ", ".join(f"{name} ({count})" for name, count in Counter(obstacles).most_common(OBSTACLES))
-    return f"{line}; in the way: {worst}" if worst else line
-
-
-def _listed(causes: dict[str, int]) -> str:
-    """The causes, with their counts when there are several."""
-    if len(causes) == 1:
-        return str(Failure[next(iter(causes))])
-    return ", ".join(f"{count} {Failure[name]}" for name, count in causes.items())
+    for line in explanation.lines():
+        yield Text(f"  {line}")

@@ -8,18 +8,18 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.events import Listener
-from ictamp_drake.runs.artefacts import Artefacts, write_pages, write_result
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.options import Method
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
 from ictamp_drake.runs.records import Record, record_of, run_name
-from ictamp_drake.runs.solve import Solution, Task, prepare, solve
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.tamp.artefacts import Artefacts, write_pages, write_result
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.solve import Solution, solve
+from ictamp_drake.tamp.task import Task, prepare
 
 if TYPE_CHECKING:
     from ictamp_drake.viz.live import LiveView
@@ -30,50 +30,21 @@ CRASHED, HUNG = "CRASHED", "HUNG"
 
 @dataclass(frozen=True)
 class Problem:
-    """A scene file to be solved.
+    """A scene to be solved.
 
     Attributes:
-        name: of its record.
-        path: of the scene file.
-        level: easy, medium, hard, extreme or varied; None for a scene of one's own.
+        name: Name of its record and folder, usually that of its file.
+        spec: The scene.
+        level: One of easy, medium, hard, extreme and varied; None for a scene of one's own.
     """
 
     name: str
-    path: Path
+    spec: SceneSpec
     level: str | None = None
 
     def __post_init__(self) -> None:
-        if self.name.startswith("."):  # what is left of it goes to a folder with its name
-            raise IctampError(f"{self.path}: the name of a scene is '{self.name}', but must not begin with a dot")
-
-
-class Prepared(NamedTuple):
-    """A problem that is ready to be solved.
-
-    Attributes:
-        task: the problem.
-        seconds: what its preparation took [s].
-        cpu_seconds: the same in processor time [s].
-    """
-
-    task: Task
-    seconds: float
-    cpu_seconds: float
-
-    @classmethod
-    def read(cls, path: Path, method: Method) -> "Prepared":
-        """Prepare the problem of a scene file.
-
-        Raises:
-            IctampError: see `solve.prepare`.
-        """
-        task = prepare(path, method)
-        return cls(task, perf_counter() - task.started, process_time() - task.cpu_started)
-
-    def begin(self) -> Task:
-        """The task; what happened since it was prepared does not count as planning time."""
-        started, cpu_started = perf_counter() - self.seconds, process_time() - self.cpu_seconds
-        return replace(self.task, started=started, cpu_started=cpu_started)
+        if self.name.startswith("."):
+            raise IctampError(f"the name of a scene is '{self.name}', but must not begin with a dot")
 
 
 @dataclass(frozen=True)
@@ -81,19 +52,19 @@ class Job:
     """A problem and how it is to be solved.
 
     Attributes:
-        problem: the problem.
-        method: options and seed.
-        strategy: name of the method, empty when there is only one.
-        prepared: the problem when it was prepared in this process; it does not go to another one.
+        problem: The problem.
+        method: Options and seed.
+        strategy: Name of the method, empty when there is only one.
+        task: The problem's task where it was loaded in this process already; it does not go to another one.
     """
 
     problem: Problem
     method: Method
     strategy: str = ""
-    prepared: Prepared | None = field(default=None, compare=False, repr=False)
+    task: Task | None = field(default=None, compare=False, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "prepared": None}
+        return {**vars(self), "task": None}
 
     @property
     def name(self) -> str:
@@ -200,8 +171,8 @@ def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
     board.start(slot)
     record, files, pages = None, dict[str, bytes](), None
     try:
-        task = job.prepared.begin() if job.prepared else prepare(job.problem.path, job.method)
-        solution = solve(task, job.method, _listeners(board, slot, task.spec), lambda: board.stopping)
+        task = job.task or prepare(job.problem.spec, job.method, job.problem.name)
+        solution = solve(task, job.method, listeners=_listeners(board, slot, task.spec), stop=lambda: board.stopping)
         record = record_of(job.problem.name, job.strategy, job.problem.level, job.method.seed, solution)
         if artefacts != "none":
             with _folder(job.problem.name) as folder:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
+from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.scenes.checks import check_choice
 from ictamp_drake.scenes.layout import Spot, Stack
 from ictamp_drake.scenes.spec import BoxSpec, SupportSpec, Vector
 

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 import tyro
 
+from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.scenes.checks import check_choice
 from ictamp_drake.scenes.extreme import make_extreme
 from ictamp_drake.scenes.layout import Stack, Zone, build_stack, outline_radius, place_stacks
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, SIZES, SUPPORTS, Level, boxes_of, goal_of

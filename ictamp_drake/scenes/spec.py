@@ -5,18 +5,19 @@ Whether boxes overlap or float, and what the goal means, is checked in the rooms
 """
 
 import dataclasses
-import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
 from scipy.spatial.transform import Rotation
 
+from ictamp_drake.core.checks import check_choice, check_names, check_range, check_vector
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.files import write_whole
+from ictamp_drake.core.reading import build, parse, read_text
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.scenes.checks import check_choice, check_names, check_range, check_vector
-from ictamp_drake.scenes.reading import build, parse, read_text
 
 Vector = tuple[float, float, float]
 
@@ -132,6 +133,22 @@ class BoxSpec:
         return _pose(self.rotation, self.position)
 
 
+@dataclass(frozen=True)
+class StartSpec:
+    """How the arm stands when planning begins, and what it holds.
+
+    Attributes:
+        joints: positions of the arm's joints, base first [rad]; empty for the arm's home posture.
+        held: name of the box between the fingers, where `boxes` says that it is; empty for an open, empty hand.
+    """
+
+    joints: tuple[float, ...] = ()
+    held: str = ""
+
+    def __post_init__(self) -> None:
+        check_vector("joints", self.joints, -100, 100, " rad", count=None)
+
+
 @dataclass(frozen=True, kw_only=True)
 class SceneSpec:
     """Everything that a planning problem consists of.
@@ -141,6 +158,7 @@ class SceneSpec:
         supports: by name, at least one.
         boxes: by name, at least one.
         goal: PDDL formula, e.g. (and (on cyan_box rack) (on yellow_box cyan_box)).
+        start: how the arm stands at the beginning, and what it holds.
         seed: of everything random in the problem.
         interference: kinds of interference of a packing problem; empty in other scenes.
         description: one sentence for people.
@@ -150,6 +168,7 @@ class SceneSpec:
     supports: dict[str, SupportSpec]
     boxes: dict[str, BoxSpec]
     goal: str
+    start: StartSpec = StartSpec()
     seed: int = 0
     interference: tuple[str, ...] = ()
     description: str = ""
@@ -159,6 +178,8 @@ class SceneSpec:
             if not getattr(self, section):
                 raise IctampError(f"{section} is empty, but must name at least one")
         check_names([*self.supports, *self.boxes])
+        if self.start.held:
+            check_choice("start.held", self.start.held, self.boxes)
         if not self.goal.strip():
             raise IctampError("goal is empty, but must be a PDDL formula, e.g. (on red_box table)")
         check_range("seed", self.seed, 0, 2**63 - 1)
@@ -185,21 +206,18 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
     Raises:
         OSError: when the folder is not there or cannot be written.
     """
-    temporary = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
-    try:
-        temporary.write_text(to_yaml(spec), encoding="utf-8")
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(path, to_yaml(spec))
 
 
 def to_yaml(spec: SceneSpec) -> str:
     """The text of the scene's file."""
     plain = _plain(dataclasses.asdict(spec))
+    if spec.start == StartSpec():
+        del plain["start"]
     return str(yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True))
 
 
-def _plain(value: object) -> object:
+def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     return list(value) if isinstance(value, tuple) else value

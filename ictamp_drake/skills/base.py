@@ -6,11 +6,11 @@ from typing import Protocol
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_vector
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.scenes.checks import check_vector
 from ictamp_drake.world.commands import gripper_time, stand_still
 from ictamp_drake.world.world import World
 

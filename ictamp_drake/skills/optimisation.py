@@ -12,12 +12,11 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver
 
+from ictamp_drake.core.checks import check_fields, check_interval, check_vector
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
-from ictamp_drake.models.panda_collision import PAD_THICKNESS
+from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, PAD_THICKNESS
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.scenes.checks import check_fields, check_interval, check_vector
 from ictamp_drake.skills.base import CLEARANCES, TIP
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours

@@ -5,17 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.math import RigidTransform
 
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.scenes.checks import check_fields
+from ictamp_drake.observation.situations import LIFT
 from ictamp_drake.skills.base import CLEARANCES, TIP, at_end, check_clearances, hold, imagined, openings
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, gripped_squarely, needed_opening, raised
 from ictamp_drake.world.commands import gripper_time
 from ictamp_drake.world.poses import to_pose, to_transform
-from ictamp_drake.world.situations import LIFT
 from ictamp_drake.world.world import World
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.skills.base import CLEARANCES, TIP, at_end, check_clearances, hold, imagined, openings
 from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raised, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.scenes.checks import check_range
+from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
-from ictamp_drake.world.observation import Observation, Observer
 from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
@@ -15,7 +16,6 @@ from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Para
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.scenes.checks import check_choice
 from ictamp_drake.skills.base import Skill, SkillConfig
 from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import PickConfig

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_fields, check_interval
 from ictamp_drake.core.types import Action, Configuration, Parameter
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.scenes.checks import check_fields, check_interval
 from ictamp_drake.world.world import World
 
 

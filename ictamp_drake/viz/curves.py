@@ -1,6 +1,6 @@
 """Pictures of how many problems strategies solve within a time, and within a number of low-level steps.
 
-Runs are the rows of `runs.regime.tabulated`.
+Runs are the rows of `reports.regime.tabulated`.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Pictures of where a search's time and its low-level steps go. Runs are the rows of `runs.regime.tabulated`."""
+"""Pictures of where a search's time and its low-level steps go. Runs are the rows of `reports.regime.tabulated`."""
 
 import numpy as np
 import pandas as pd

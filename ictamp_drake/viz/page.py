@@ -3,7 +3,6 @@
 import json
 from collections.abc import Sequence
 from importlib.resources import files
-from pathlib import Path
 from typing import Any, NamedTuple
 
 
@@ -35,10 +34,3 @@ def add_to_body(page: str, html: str) -> str:
     """The page with something at the end of its body."""
     head, body, tail = page.rpartition("</body>")
     return head + html + body + tail
-
-
-def write_page(page: str, path: Path) -> None:
-    """Write a page; it appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.partial")
-    temporary.write_text(page, encoding="utf-8")
-    temporary.replace(path)

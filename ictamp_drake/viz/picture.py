@@ -6,6 +6,7 @@ import numpy as np
 from PIL import Image
 from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Mesh, QueryObject, Role, Shape, Sphere
 
+from ictamp_drake.core.files import whole
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.raster import Camera, render
@@ -17,9 +18,8 @@ WIDTH, HEIGHT = 800, 600
 
 def scene_png(spec: SceneSpec, c: Configuration, path: Path, stage: Stage | None = None) -> None:
     """Write a picture of c, of the bodies of the stage if there is one; it appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.partial")
-    Image.fromarray(picture(spec, c, stage)).save(temporary, format="png")
-    temporary.replace(path)
+    with whole(path) as temporary:
+        Image.fromarray(picture(spec, c, stage)).save(temporary, format="png")
 
 
 def picture(spec: SceneSpec, c: Configuration, stage: Stage | None = None) -> np.ndarray:

@@ -6,9 +6,10 @@ from typing import Any
 
 from pydrake.geometry import MeshcatAnimation
 
+from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.types import Attempt
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.viz.page import Caption, add_captions, write_page
+from ictamp_drake.viz.page import Caption, add_captions
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tracks import tracks
 from ictamp_drake.world.outcome import Frame
@@ -50,7 +51,7 @@ def replay_html(
     stage = stage or Stage(spec, start_meshcat())
     stage.show(frames[0].c)
     stage.meshcat.SetAnimation(_animation(stage, frames))
-    write_page(add_captions(stage.meshcat.StaticHtml(), captions), path)
+    write_whole(path, add_captions(stage.meshcat.StaticHtml(), captions))
 
 
 def _animation(stage: Stage, frames: Sequence[Frame]) -> MeshcatAnimation:

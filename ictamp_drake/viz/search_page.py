@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.planning.tree import Step, Tree
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.drawing import to_hex
 from ictamp_drake.viz.layout import CAUSE_COLORS, Layout, Record
-from ictamp_drake.viz.page import add_to_body, resource, to_script, write_page
+from ictamp_drake.viz.page import add_to_body, resource, to_script
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tracks import Track, tracks
 from ictamp_drake.world.outcome import Frame
@@ -65,7 +66,7 @@ def search_html(
     }
     scripts = "\n".join(resource(f"search/{name}.js") for name in SCRIPTS)
     script = f"<script>const record = {to_script(data)};\n{scripts}</script>"
-    write_page(add_to_body(stage.meshcat.StaticHtml(), resource("search/page.html") + script), path)
+    write_whole(path, add_to_body(stage.meshcat.StaticHtml(), resource("search/page.html") + script))
 
 
 def _layout(layout: Layout) -> Record:

@@ -54,7 +54,7 @@ def _halved(quads: FloatArray) -> FloatArray:
 
 @cache
 def read_gltf(path: Path) -> tuple[FloatArray, FloatArray]:
-    """Triangles and colour (red, green, blue in [0, 1]) of a file that `models.gltf` wrote."""
+    """Triangles and colour (red, green, blue in [0, 1]) of a file that `tools.panda.gltf` wrote."""
     document = json.loads(path.read_text(encoding="utf-8"))
     data = base64.b64decode(document["buffers"][0]["uri"].partition(",")[2])
     (primitive,) = document["meshes"][0]["primitives"]

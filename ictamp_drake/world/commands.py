@@ -45,12 +45,9 @@ def desired_positions(
         segments: what follows, may be empty.
         end: later than the end of the last segment, and than the hand has obeyed.
     """
-    arm: list[Trajectory] = []
-    start = 0.0
-    for segment in segments:
-        arm.append(_arm_piece(segment, start))
-        start += segment.duration
-        q_arm = segment.control_points[-1]
+    arm, start = _arm_pieces(segments)
+    if segments:
+        q_arm = segments[-1].control_points[-1]
     arm.append(PiecewisePolynomial.ZeroOrderHold([start, end], np.column_stack([q_arm, q_arm])))
     times, widths, _ = _gripper_knots(gripper, segments, end)
     stacked = StackedTrajectory(rowwise=True)
@@ -63,6 +60,27 @@ def feedforward(gripper: GripperCommand, segments: Sequence[Segment], end: float
     """Efforts added to those of the position controller, shape (9, 1): only the fingers' grip force [N]."""
     times, _, forces = _gripper_knots(gripper, segments, end)
     return PiecewisePolynomial.FirstOrderHold(times, np.vstack([np.zeros((7, len(times))), -forces, -forces]))
+
+
+def arm_trajectory(segments: Sequence[Segment]) -> Trajectory:
+    """Positions of the 7 arm joints [rad] from 0 to the end of the last segment.
+
+    Raises:
+        ValueError: There is no segment.
+    """
+    if not segments:
+        raise ValueError("no segments, so there is no trajectory")
+    return CompositeTrajectory(_arm_pieces(segments)[0])
+
+
+def _arm_pieces(segments: Sequence[Segment]) -> tuple[list[Trajectory], float]:
+    """Pieces of the arm's trajectory, each right after the one before, and when the last one ends [s]."""
+    pieces: list[Trajectory] = []
+    start = 0.0
+    for segment in segments:
+        pieces.append(_arm_piece(segment, start))
+        start += segment.duration
+    return pieces, start
 
 
 def _arm_piece(segment: Segment, start: float) -> Trajectory:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.scenes.checks import check_fields
 from ictamp_drake.world.world import FINGERS, Touch, World
 
 

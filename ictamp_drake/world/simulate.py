@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlantConfig
 
+from ictamp_drake.core.checks import check_fields, check_vector
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
-from ictamp_drake.scenes.checks import check_fields, check_vector
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obeyed_at, stand_still
 from ictamp_drake.world.lookout import Lookout

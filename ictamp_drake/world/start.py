@@ -1,35 +1,54 @@
 """The configuration c_0 that a scene starts from, or a sentence about why the scene cannot start."""
 
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.types import Configuration, State
+from ictamp_drake.core.types import Atom, Configuration, State
+from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.world.abstraction import Abstraction
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
 MAX_OVERLAP = 0.001
-"""Bodies may be this deep in each other at the start [m]; physics pushes them apart."""
+"""Greatest depth of bodies in each other at the start [m]; physics pushes them apart."""
 
 
-def start_configuration(world: World, abstraction: Abstraction, physics: Physics, where: str) -> Configuration:
-    """c_0, the scene as specified after it has come to rest.
+def start_configuration(
+    world: World, abstraction: Abstraction, physics: Physics, where: str
+) -> tuple[Configuration, State]:
+    """c_0, the scene as specified after it has come to rest, and H(c_0).
 
     Args:
-        world, abstraction, physics: of the scene.
-        where: named in errors, usually the scene's file.
+        world, abstraction, physics: World, H and simulator of the scene.
+        where: Name of the scene in errors, usually its file.
 
     Raises:
-        IctampError: bodies overlap, a box is carried by nothing, or the scene is not at rest.
+        IctampError: A joint is beyond its limits, bodies overlap, a box is carried by nothing or not held as it should
+            be, or the scene is not at rest.
     """
-    c = world.initial_configuration()
+    _check_joints(world, where)
+    c, held = world.initial_configuration(), world.spec.start.held
     _check_overlaps(world, c, where)
     state = abstraction(c)
     _check_carried(world, state, where)
+    if held and Atom("in-hand", (held,)) not in state:
+        raise IctampError(f"{where}: start.held is {held}, but it is not between the fingers or rests on something.")
     outcome = physics.run(c, ())
-    moved = sorted({atom.args[0] for atom in abstraction(outcome.c) ^ state if atom.args})
+    reached = abstraction(outcome.c)
+    moved = sorted({atom.args[0] for atom in reached ^ state if atom.args})
     if moved or not outcome.settled:
         what = f"boxes {', '.join(moved)} fall or move" if moved else "the boxes do not come to rest"
         raise IctampError(f"{where}: {what} as soon as gravity acts, but a scene must start at rest.")
-    return outcome.c
+    if held and outcome.c.held != held:
+        raise IctampError(f"{where}: start.held is {held}, but the fingers do not hold it when gravity acts.")
+    return outcome.c, reached
+
+
+def _check_joints(world: World, where: str) -> None:
+    joints = world.spec.start.joints
+    if joints and len(joints) != len(ARM_LIMITS):
+        raise IctampError(f"{where}: start.joints is {list(joints)}, but must be {len(ARM_LIMITS)} numbers")
+    for number, (position, limits) in enumerate(zip(joints, ARM_LIMITS, strict=False), 1):
+        check_range(f"{where}: start.joints, number {number},", position, limits.lower, limits.upper, " rad")
 
 
 def _check_overlaps(world: World, c: Configuration, where: str) -> None:
@@ -42,7 +61,7 @@ def _check_overlaps(world: World, c: Configuration, where: str) -> None:
 
 def _check_carried(world: World, state: State, where: str) -> None:
     carried = {atom.args[0] for atom in state if atom.predicate in {"on", "lying"}}
-    for name in sorted(set(world.spec.boxes) - carried):
+    for name in sorted(set(world.spec.boxes) - carried - {world.spec.start.held}):
         position = list(world.spec.boxes[name].position)
         raise IctampError(
             f"{where}: boxes.{name}.position is {position}, where nothing carries the box: it must lie flat on one of "

@@ -6,8 +6,9 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
+from ictamp_drake.models.kinematics import forward
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright
@@ -16,6 +17,8 @@ from ictamp_drake.world.poses import to_transform
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts among boxes and supports, whose names have no blanks."""
 ROBOT = frozenset({ARM, *FINGERS})
+HOLDING_FORCE = 30.0
+"""Grip force of each finger on a box that is held at the start [N]."""
 
 
 class Touch(NamedTuple):
@@ -69,9 +72,23 @@ class World:
         return {geometry: name for name, body in named for geometry in geometries(body)}
 
     def initial_configuration(self) -> Configuration:
-        """The arm at home with an open hand, the boxes where the specification puts them."""
-        q = np.append(HOME, [GRIPPER_MAX_WIDTH / 2] * 2)
-        return Configuration(q, {name: box.X_WO for name, box in self.spec.boxes.items()})
+        """Arm, hand and boxes where the specification puts them; the arm is at home with an open hand by default."""
+        start = self.spec.start
+        arm = np.array(start.joints) if start.joints else HOME
+        poses = {name: box.X_WO for name, box in self.spec.boxes.items()}
+        if not start.held:
+            return Configuration(np.append(arm, [GRIPPER_MAX_WIDTH / 2] * 2), poses)
+        width, fingers = self._grip(arm, start.held, poses[start.held])
+        gripper = GripperCommand(width, HOLDING_FORCE)
+        return Configuration(np.append(arm, fingers), poses, start.held, gripper, commanded=arm)
+
+    def _grip(self, arm: FloatArray, box: str, X_WO: FloatArray) -> tuple[float, FloatArray]:
+        """Width of the box between the fingers [m], and the finger positions at which both just touch it, (2,) [m]."""
+        X_WG = to_transform(self.spec.arm.X_WB) @ RigidTransform(forward(arm[None])[0])
+        X_GO = X_WG.inverse() @ to_transform(X_WO)
+        half = float(np.abs(X_GO.rotation().matrix()[1]) @ self.sizes[box]) / 2
+        middle = float(X_GO.translation()[1])  # the left finger is on the side of positive y
+        return 2 * half, np.clip([half + middle, half - middle], 0.0, GRIPPER_MAX_WIDTH / 2)
 
     def set_configuration(self, c: Configuration) -> None:
         """Make the context show c."""

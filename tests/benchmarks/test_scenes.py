@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from benchmarks.scenes import COUNT, KINDS, SCENES, WARM_UP, write_scenes
-from ictamp_drake.runs.options import Method
-from ictamp_drake.runs.solve import prepare
 from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.tamp.method import Method
+from ictamp_drake.tamp.task import load
 from tests.scenes.solids import check_clearances
 
 FILES = [*(SCENES / kind / f"{number:02d}.yaml" for kind in KINDS for number in range(COUNT)), WARM_UP]
@@ -37,7 +37,7 @@ def test_cubes_stand_apart_and_the_goal_is_about_them(path: Path) -> None:
 
 @pytest.mark.parametrize("path", [*FIRST, FEW, pytest.param(MANY, marks=pytest.mark.slow)])
 def test_planning_can_begin(path: Path) -> None:
-    task = prepare(path, Method())
+    task = load(path, Method())
     assert not task.goal <= task.abstraction(task.c)
 
 

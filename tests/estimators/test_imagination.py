@@ -7,7 +7,7 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
 from ictamp_drake.estimators.imagination import Imagination, Rollouts, refined
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.models import DynamicsModel, SkillModel, load_dynamics, load_skill
-from ictamp_drake.world.observation import Observer
+from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
 from tests.world.scenes import far_boxes, holding, scene

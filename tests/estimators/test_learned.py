@@ -18,7 +18,7 @@ from ictamp_drake.estimators.p_score import PScore, PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.models import load_dynamics, load_skill
-from ictamp_drake.world.observation import Observer
+from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained
 from tests.world.scenes import far_boxes, holding, scene

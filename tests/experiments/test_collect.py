@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from ictamp_drake.collection.shards import Shards
 from ictamp_drake.experiments import collect as program
 from ictamp_drake.learning.dataset import fingerprint, opened
 from ictamp_drake.runs.engine import EngineConfig
-from ictamp_drake.runs.shards import Shards
 from tests.runs.clusters import two_nodes
 from tests.runs.programs import command, environment, run
 

@@ -11,7 +11,7 @@ from ictamp_drake.experiments.trainer import main
 from ictamp_drake.learning.checkpoint import load
 from ictamp_drake.learning.dataset import load as load_attempts
 from ictamp_drake.learning.models import load_dynamics
-from ictamp_drake.world.observation import Observation
+from ictamp_drake.observation.state_matrix import Observation
 from tests.learning.synthetic import write_attempts
 
 

@@ -16,8 +16,8 @@ from ictamp_drake.learning.dataset import fingerprint
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.learning.networks import FlatNetwork
 from ictamp_drake.learning.policies import Squashed
+from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.world.observation import Observer
 from tests.learning.synthetic import succeeds, write_attempts
 
 QUICK = ["--skills", "pick", "--fit.epochs", "30", "--fit.batch", "128", "--fit.rate", "3e-3"]

@@ -16,10 +16,10 @@ from ictamp_drake.learning.dynamics import Dynamics, nominal
 from ictamp_drake.learning.models import arrays_of
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.policies import PolicyNetworkConfig
+from ictamp_drake.observation.situations import LIFT
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observer
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.frames import upright
-from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
-from ictamp_drake.world.situations import LIFT
 from tests.motions import stay
 
 MOTION = (stay(0.1),)

@@ -9,7 +9,7 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.learning.checkpoint import Checkpoint, load, read, write
 from ictamp_drake.learning.models import load_dynamics, load_estimator, load_skill
-from ictamp_drake.world.observation import SCHEMA
+from ictamp_drake.observation.state_matrix import SCHEMA
 from tests.learning.synthetic import untrained
 
 ARRAYS = {"one": np.arange(6, dtype=np.float32).reshape(2, 3), "two": np.array([1.5], dtype=np.float32)}

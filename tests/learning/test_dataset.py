@@ -22,8 +22,8 @@ from ictamp_drake.learning.dataset import (
     scene_text,
     write,
 )
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observer
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
 from tests.motions import stay
 from tests.skills.rig import rig
 

@@ -15,9 +15,9 @@ from ictamp_drake.learning.dynamics import Dynamics, error, nominal
 from ictamp_drake.learning.evaluation import missed
 from ictamp_drake.learning.models import load_dynamics
 from ictamp_drake.learning.objectives import Prediction
+from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.skills.geometry import held_bottom, placement_pose, raised
 from ictamp_drake.skills.pick import PickConfig
-from ictamp_drake.world.observation import Observation, Observer
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import ONE, displaced, matrices, untrained

@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from ictamp_drake.learning.networks import ROLES, FlatNetwork, NetworkConfig, SetNetwork
-from ictamp_drake.world.observation import ROWS, SCHEMA
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA
 from tests.learning.synthetic import matrices
 
 EXTRA = 3

@@ -21,9 +21,9 @@ from ictamp_drake.learning.parameters import (
     wrapped,
 )
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observer
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
-from ictamp_drake.world.observation import ROWS, SCHEMA, Observer
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import matrices

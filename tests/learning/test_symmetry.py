@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.symmetry import mirrored, turned, varied
+from ictamp_drake.observation.state_matrix import ROWS, Observer
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, Vector
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.world.observation import ROWS, Observer
 from tests.learning.synthetic import matrices
 
 SPECS = [training_scene(number) for number in (0, 2, 5, 11, 12, 14)]

@@ -3,10 +3,10 @@ import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.models.constants import HOME
-from ictamp_drake.models.panda_collision import PAD_HALF_HEIGHT
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.world.world import World
+from tools.panda.panda_collision import PAD_HALF_HEIGHT
 
 ARM = ArmKinematics(RigidTransform())
 TOWER_TOP, RACK_TOP = 0.254, 0.16

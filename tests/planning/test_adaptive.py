@@ -174,7 +174,7 @@ def parked(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) ->
     )
     return config.create(
         c=Parked(lot.problem.initial),
-        abstraction=lambda c: c.s,
+        s=lot.problem.initial,
         generator=BreadthFirst().create(lot.problem.domain, lot.problem.initial, lot.problem.goal),
         skills=lot,
         estimator=ConstantConfig().create(),

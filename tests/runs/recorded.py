@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 import yaml
 
+from ictamp_drake.reports.regime import tabulated
 from ictamp_drake.runs.folder import CONFIG, RESULTS
 from ictamp_drake.runs.records import Record, append
-from ictamp_drake.runs.regime import tabulated
 
 LIMIT = 60.0
 CONDITIONS = {

@@ -11,13 +11,14 @@ from ray.cluster_utils import Cluster
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.cluster import connected
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import EngineConfig
-from ictamp_drake.runs.options import Conduct, Method
 from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.tamp.method import Method
 from tests.runs.clusters import two_nodes
 from tests.runs.programs import timeless
 

@@ -10,8 +10,9 @@ import yaml
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import opened
-from ictamp_drake.runs.options import Conduct, Method, Planners
+from ictamp_drake.tamp.method import Method, Planners
 from ictamp_drake.world.simulate import PhysicsConfig
 
 WORK = {"program": "packing", "level": "easy"}

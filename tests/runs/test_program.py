@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from ictamp_drake.runs.options import Conduct, Method
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, run
 from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.tamp.method import Method
 from tests.runs import recorded
 
 

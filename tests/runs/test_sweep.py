@@ -12,11 +12,12 @@ import pytest
 
 from ictamp_drake.runs import pages, worker
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.options import Conduct, Method, Samplers
+from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.worker import Job, Prepared, Problem
 from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.tamp.method import Method, Samplers
 from tests.runs.programs import SCENE, timeless
 
 METHOD = Method(time_limit=250.0)

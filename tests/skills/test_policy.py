@@ -11,10 +11,10 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.skills.geometry import hand_poses
 from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
 from ictamp_drake.skills.uniform import UniformConfig
-from ictamp_drake.world.observation import Observation, Observer
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import untrained

@@ -88,7 +88,7 @@ def test_a_box_that_overhangs_a_lower_one_stays_or_falls(yaw: float) -> None:
 def test_a_scene_with_an_overhanging_box_starts() -> None:
     spec = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "f1-overhang.yaml")
     world = World(spec)
-    c = start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "f1")
+    c, _ = start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "f1")
     np.testing.assert_allclose(c.poses["crate"], spec.boxes["crate"].X_WO, atol=1e-4)
     assert Abstraction(world).eval(c, Atom("on", ("crate", "table")))
 

@@ -6,9 +6,10 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
 from ictamp_drake.world.frames import upright
-from ictamp_drake.world.matrices import all_upright, flat, forward, grasps, inverse, level, to_matrices
+from ictamp_drake.world.matrices import all_upright, flat, grasps, inverse, level, to_matrices
 from ictamp_drake.world.poses import to_transform
 
 seeds = st.integers(0, 2**32 - 1)

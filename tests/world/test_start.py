@@ -19,7 +19,7 @@ def start(boxes: dict[str, BoxSpec], **supports: SupportSpec) -> Configuration:
     spec = scene(boxes)
     spec = replace(spec, supports={**spec.supports, **supports})
     world = World(spec)
-    return start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "my.yaml")
+    return start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "my.yaml")[0]
 
 
 def test_a_scene_at_rest_starts_where_it_is() -> None:

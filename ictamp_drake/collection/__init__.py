@@ -1,0 +1,1 @@
+"""Data for learning: walks through scenes and the shards that they fill."""

@@ -1,0 +1,260 @@
+"""Random walks through the states that planning meets, and what became of the attempts on the way."""
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+
+from ictamp_drake.collection.shards import Shards
+from ictamp_drake.core.checks import check_range
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.core.types import Action, Attempt, Configuration, State
+from ictamp_drake.learning.dataset import Row, scene_text
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
+from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.skills.runner import SkillsConfig
+from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
+from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.start import start_configuration
+from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Weights of the sources of k; an attempt's is drawn in proportion to them.
+
+    Attributes:
+        optimisation: the optimisation-based sampler.
+        perturbed: the same with noise.
+        uniform: anywhere on the target.
+        policy: a plain draw from the trained policy, the paper's way.
+        best: of 16 draws from the policy the one with the greatest Q.
+        product: of 16 draws from the policy the one with the greatest Q that has a motion.
+        reference: a plain draw from another trained policy.
+    """
+
+    optimisation: float = 0.1
+    perturbed: float = 0.65
+    uniform: float = 0.25
+    policy: float = 0.0
+    best: float = 0.0
+    product: float = 0.0
+    reference: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, weight in asdict(self).items():
+            check_range(f"walk.sources.{name}", weight, 0, 1e6)
+        check_range("the sum of walk.sources", sum(asdict(self).values()), 1e-9, 1e9)
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Those above zero, by name."""
+        return {name: weight for name, weight in asdict(self).items() if weight > 0}
+
+
+@dataclass(frozen=True)
+class WalkConfig:
+    """How attempts are drawn.
+
+    Attributes:
+        states: rounds of a walk; in each a high-level action is drawn and tried from one configuration.
+        draws: attempts in a round, each with a k of its own.
+        sources: where k comes from.
+        compare: every round makes its attempts from each of the sources, so that they can be compared.
+        checkpoints: folder of the trained policy, by default that of the package.
+        reference: folder of the policy that serves as the reference.
+        stray: probability that the walk goes on from where a failed round ended rather than from where it began.
+        patience: failed rounds in a row after which the walk goes back to a configuration that it met before.
+        on_support: probability that a box is placed on a support when there is a box it could be placed on.
+        noise: of the perturbed source.
+        drop: greatest height of a placement of the uniform source [m].
+    """
+
+    states: int = 24
+    draws: int = 4
+    sources: Sources = Sources()
+    compare: bool = False
+    checkpoints: Path | None = None
+    reference: Path | None = None
+    stray: float = 0.3
+    patience: int = 3
+    on_support: float = 0.5
+    noise: PerturbedConfig = PerturbedConfig()
+    drop: float = 0.05
+
+    def __post_init__(self) -> None:
+        check_range("walk.states", self.states, 1, 1e4)
+        check_range("walk.draws", self.draws, 1, 1e4)
+        if self.sources.reference and self.reference is None:
+            raise IctampError("walk.sources.reference is above zero, but walk.reference names no folder of checkpoints")
+
+    def check(self) -> None:
+        """Raise IctampError at once, rather than in every scene, when a trained policy is not to be had."""
+        for source in self.sources.weights:
+            if source in _LEARNED:
+                self.learned(source).check()
+
+    def learned(self, source: str) -> PolicyConfig:
+        """How a source draws from a trained policy."""
+        folder = self.reference if source == "reference" else self.checkpoints
+        candidates = _CANDIDATES if source in ("best", "product") else 1
+        return PolicyConfig(folder, candidates, haste=0.0, trust=_CANDIDATES)
+
+
+_LEARNED = ("policy", "best", "product", "reference")
+_CANDIDATES = 16
+"""Draws of which the best is taken."""
+
+
+def walk(
+    number: int,
+    seed: int,
+    config: WalkConfig,
+    *,
+    spared: Collection[int] = (),
+    begin: Callable[[int], None] = lambda _: None,
+) -> list[Row]:
+    """The attempts of a random walk in one training scene; the same arguments give the same rows apart from times.
+
+    Args:
+        number: of the scene.
+        seed: of scenes and walks.
+        config: how attempts are drawn.
+        spared: numbers of attempts that are not made, since the process died or hung in them.
+        begin: called with the number of each attempt before it is made.
+
+    Returns:
+        No rows when the scene is not at rest at its start.
+    """
+    spec = training_scene(number, seed)
+    try:
+        course = _Course(spec, config, generator(Stream.DATA, seed, number))
+    except IctampError:
+        return []
+    text = scene_text(spec)
+    return [Row(number, text, *each) for each in course.attempts(spared, begin)]
+
+
+class _Course:
+    """One scene with all that is needed to walk through it."""
+
+    def __init__(self, spec: SceneSpec, config: WalkConfig, rng: np.random.Generator) -> None:
+        self._config = config
+        self._rng = rng
+        self._world = World(spec)
+        self._arm = ArmKinematics(to_transform(spec.arm.X_WB))
+        self._abstraction = Abstraction(self._world)
+        self._physics = PhysicsConfig().create(self._world)
+        plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimisationConfig())
+        self._sources = {
+            source: replace(
+                plain, sampler=self._sampler(source, plain.sampler), draws=_CANDIDATES if source == "product" else 1
+            )
+            for source in config.sources.weights
+        }
+        self._domains: dict[State, Domain] = {}
+        self._met = [start_configuration(self._world, self._abstraction, self._physics, spec.description)[0]]
+        self._drawn = [0]
+
+    def _sampler(self, source: str, optimisation: Sampler[Configuration]) -> Sampler[Configuration]:
+        config, world = self._config, self._world
+        if source == "perturbed":
+            return PerturbedSampler(world, optimisation, config.noise)
+        if source == "uniform":
+            return UniformSampler(world, UniformConfig(max_height=config.drop))
+        return config.learned(source).create(world, self._arm) if source in _LEARNED else optimisation
+
+    def attempts(
+        self, spared: Collection[int], begin: Callable[[int], None]
+    ) -> Iterator[tuple[int, int, str, Configuration, Attempt[Configuration]]]:
+        """State, draw, sampler, c and what came of it, for each attempt of the walk."""
+        here, failed = 0, 0
+        numbers = count()
+        for _ in range(self._config.states):
+            action, promised = self._action(self._met[here])
+            tried = []
+            for source in self._round():
+                number = next(numbers)
+                if number in spared:
+                    continue
+                begin(number)
+                attempt = self._sources[source].attempt(self._met[here], action, promised, self._rng)
+                tried.append(attempt)
+                yield here, self._drawn[here], source, self._met[here], attempt
+                self._drawn[here] += 1
+            failed = 0 if any(attempt.succeeded for attempt in tried) else failed + 1
+            onward = self._onward(tried)
+            if onward is not None:
+                self._met.append(onward)
+                self._drawn.append(0)
+                here = len(self._met) - 1
+            elif failed >= self._config.patience:
+                here, failed = int(self._rng.integers(len(self._met))), 0
+
+    def _round(self) -> Iterator[str]:
+        """The sources of the attempts of one round."""
+        names, weights = zip(*self._config.sources.weights.items(), strict=True)
+        for _ in range(self._config.draws):
+            if self._config.compare:
+                yield from names
+            else:
+                yield str(self._rng.choice(names, p=np.divide(weights, sum(weights))))
+
+    def _action(self, c: Configuration) -> tuple[Action, State]:
+        """An applicable action and the state that it promises."""
+        options = list(self._successors(c))
+        supports = self._world.spec.supports
+        apart = [[o for o in options if (o[0].args[1] in supports) == wanted] for wanted in (False, True)]
+        if options[0][0].name == "place" and all(apart):
+            options = apart[int(self._rng.random() < self._config.on_support)]
+        return options[self._rng.integers(len(options))]
+
+    def _onward(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
+        """Where one of the successes, or now and then of the failures, ended, if planning could go on from there."""
+        ends = [attempt.successor for attempt in tried if attempt.succeeded]
+        if not ends and self._rng.random() < self._config.stray:
+            ends = [self._settled(attempt.successor) for attempt in tried]
+        known = [c for c in ends if c is not None and self._successors(c)]
+        return known[self._rng.integers(len(known))] if known else None
+
+    def _settled(self, c: Configuration | None) -> Configuration | None:
+        """c at rest, since a failed attempt can end in the midst of its motion."""
+        if c is None:
+            return None
+        try:
+            outcome = self._physics.run(c, ())
+        except RuntimeError:  # the contact solver diverges in a few jammed situations
+            return None
+        return outcome.c if outcome.settled else None
+
+    def _successors(self, c: Configuration) -> tuple[tuple[Action, State], ...]:
+        """Applicable actions, none in a state that the domain does not know, e.g. when a box leans on another."""
+        state = self._abstraction(c)
+        posture = frozenset(atom for atom in state if atom.predicate in ("upright", "tipped"))
+        spec = self._world.spec
+        try:
+            known = self._domains.get(posture) or Domain.create(sorted(spec.boxes), sorted(spec.supports), state)
+        except IctampError:
+            return ()
+        self._domains[posture] = known
+        return known.successors(state)
+
+
+def write_walk(out: Path, scene: int, seed: int, config: WalkConfig, spared: Collection[int]) -> tuple[int, int]:
+    """Walk through a scene and write the attempts to a folder; returns how many were made and how many executed."""
+    shards = Shards(out)
+    rows = walk(scene, seed, config, spared=spared, begin=partial(shards.begin, scene))
+    shards.add(scene, rows)
+    return len(rows), sum(bool(row.attempt.motion) for row in rows)

@@ -1,0 +1,1 @@
+"""What networks see of a configuration and an action; without Drake."""

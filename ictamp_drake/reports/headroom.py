@@ -1,0 +1,49 @@
+"""Bounds on what is left to gain: the quickest strategy of each problem, and a search in which nothing fails.
+
+The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012): it knows beforehand which of all
+others will be the quickest on a problem, and no choice among them gains more. The second bounds what any strategy can
+gain, as every plan is executed at least once. Runs of earlier versions executed it twice, to verify the whole.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+from ictamp_drake.reports.comparison import PROBLEM, compared
+from ictamp_drake.reports.markdown import table
+from ictamp_drake.reports.verdicts import shown_ratio
+
+NAME = ""
+"""Of the bound among the strategies, none of which has it."""
+
+
+def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) -> list[str]:
+    """The bound as a multiple of each strategy's time, a column a level; in Markdown, nothing of a single strategy.
+
+    Args:
+        runs: see `regime.tabulated`, with times as `pace.at_equal_pace` has them.
+        bound: one of the functions below.
+    """
+    strategies = list(runs["strategy"].cat.categories)
+    if len(strategies) < 2:
+        return []
+    without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # its times are at equal pace already
+    both = pd.concat([runs, without_pace])
+    comparisons = {name: compared(both, NAME, name) for name in strategies}
+    levels = [each.level for each in comparisons[strategies[0]]]
+    rows = [[name, *(shown_ratio(each.time) for each in of)] for name, of in comparisons.items()]
+    return table(["strategy", *levels], rows)
+
+
+def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
+    """Of every problem and seed the quickest run that solved it, or any run when none did."""
+    quickest_first = runs.sort_values(["solved", "seconds"], ascending=[False, True], kind="stable")
+    return quickest_first.drop_duplicates([*PROBLEM, "seed"])
+
+
+def executed(runs: pd.DataFrame) -> pd.DataFrame:
+    """Of every problem and seed the found plan that is the quickest to execute, and the time that this takes."""
+    plans = runs[runs["solved"] & runs["replay"].notna()]
+    plans = plans.assign(seconds=plans["executions"] * plans["replay"]).sort_values("seconds", kind="stable")
+    return plans.drop_duplicates([*PROBLEM, "seed"])

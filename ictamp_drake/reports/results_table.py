@@ -1,0 +1,177 @@
+"""The paper's Table 1 for our runs and for the paper's own, in Markdown, LaTeX and CSV."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import pandas as pd
+from scipy.special import ndtri
+
+from ictamp_drake.reports.accuracy import LEVEL, Interval
+from ictamp_drake.reports.markdown import filled, table
+from ictamp_drake.reports.published import TABLE_1
+
+HEADINGS = (
+    "level",
+    "strategy",
+    "solved",
+    "share (95 %)",
+    "mean time [s]",
+    "median time [s]",
+    "mean time, all [s]",
+    "plans",
+    "steps",
+    "median steps",
+    "duration [s]",
+)
+
+PUBLISHED = "published"
+"""Source of the paper's own rows."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A strategy on a level. Means and medians are over the solved runs, nan where there is none.
+
+    Attributes:
+        source: regime, or `PUBLISHED`.
+        level, strategy: their names.
+        runs: a problem with one seed is one run.
+        problems: different ones.
+        solved: runs that were solved.
+        share: of the runs that were solved, see `wilson`.
+        mean_s, median_s: time [s].
+        all_mean_s: mean time of all runs, where an unsolved one counts with the time limit if that is known [s].
+        plans: mean number of high-level plans.
+        steps, median_steps: number of low-level steps.
+        duration_s: mean time that a plan takes the arm; nan also when it is not known of each [s].
+    """
+
+    source: str
+    level: str
+    strategy: str
+    runs: int
+    problems: int
+    solved: int
+    share: Interval
+    mean_s: float = math.nan
+    median_s: float = math.nan
+    all_mean_s: float = math.nan
+    plans: float = math.nan
+    steps: float = math.nan
+    median_steps: float = math.nan
+    duration_s: float = math.nan
+
+
+def table_1(source: str, runs: pd.DataFrame) -> list[Row]:
+    """A row a level and strategy that ran there; of `runs` see `regime.tabulated`."""
+    groups = runs.groupby(["level", "strategy"], observed=True)
+    return [_row(source, str(level), str(strategy), group) for (level, strategy), group in groups]
+
+
+def _row(source: str, level: str, strategy: str, runs: pd.DataFrame) -> Row:
+    solved = runs[runs["solved"]]
+    problems = runs["problem"].nunique()
+    return Row(
+        source=source,
+        level=level,
+        strategy=strategy,
+        runs=len(runs),
+        problems=problems,
+        solved=len(solved),
+        share=wilson(len(solved) / len(runs), problems),
+        mean_s=solved["seconds"].mean(),
+        median_s=solved["seconds"].median(),
+        all_mean_s=runs["counted"].mean(),
+        plans=solved["plans"].mean(),
+        steps=solved["steps"].mean(),
+        median_steps=solved["steps"].median(),
+        duration_s=solved["duration"].mean(skipna=False),
+    )
+
+
+def published() -> list[Row]:
+    """The paper's Table 1, with our intervals."""
+    return [
+        Row(
+            source=PUBLISHED,
+            level=row.level,
+            strategy=row.strategy,
+            runs=row.problems,
+            problems=row.problems,
+            solved=row.solved,
+            share=wilson(row.solved / row.problems, row.problems),
+            **{
+                name: math.nan if value is None else value
+                for name, value in (("mean_s", row.seconds), ("plans", row.plans), ("steps", row.steps))
+            },
+        )
+        for row in TABLE_1
+    ]
+
+
+def wilson(share: float, problems: int) -> Interval:
+    """A share with Wilson's interval of 95 %.
+
+    Args:
+        share: of the runs.
+        problems: how many were run. Seeds of one problem are not independent, so that further ones do not narrow the
+            interval, which is too wide then rather than too narrow.
+    """
+    z = float(ndtri((1 + LEVEL) / 2))
+    scale = 1 + z**2 / problems
+    centre = (share + z**2 / (2 * problems)) / scale
+    half = z * math.sqrt(share * (1 - share) / problems + z**2 / (4 * problems**2)) / scale
+    return Interval(share, max(0.0, centre - half), min(1.0, centre + half))
+
+
+def shown(value: float, digits: int = 1) -> str:
+    """With so many digits after the point, "-" for nothing."""
+    return "-" if math.isnan(value) else f"{value:.{digits}f}"
+
+
+def cells(row: Row) -> list[str]:
+    """What stands below `HEADINGS`."""
+    times = map(shown, (row.mean_s, row.median_s, row.all_mean_s))
+    steps = map(shown, (row.steps, row.median_steps, row.duration_s))
+    share = f"{row.share.value:.0%} ({row.share.low:.0%} to {row.share.high:.0%})".replace("%", " %")
+    return [row.level, row.strategy, f"{row.solved} of {row.runs}", share, *times, shown(row.plans, 2), *steps]
+
+
+def markdown(rows: Sequence[Row]) -> list[str]:
+    """The lines of a table in Markdown; columns that hold nothing are left out."""
+    return table(*filled(HEADINGS, list(map(cells, rows))), left=2)
+
+
+def latex(rows: Sequence[Row]) -> str:
+    """A tabular for the package booktabs, with a rule between levels and a heading for each source."""
+    headings, body = filled(HEADINGS, list(map(cells, rows)))
+    lines = [rf"\begin{{tabular}}{{ll{'r' * (len(headings) - 2)}}}", r"\toprule", _line(headings)]
+    for source, part in groupby(zip(rows, body, strict=True), key=lambda pair: pair[0].source):
+        lines += [r"\midrule", rf"\multicolumn{{{len(headings)}}}{{l}}{{\emph{{{_escaped(source)}}}}} \\"]
+        for level, group in groupby(part, key=lambda pair: pair[0].level):
+            lines.append(r"\midrule")
+            for number, (_, values) in enumerate(group):
+                lines.append(_line([level if number == 0 else "", *values[1:]]))
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def as_csv(rows: Sequence[Row]) -> str:
+    """All figures as they are."""
+    bounds = ({"share_low": row.share.low, "share_high": row.share.high} for row in rows)
+    values = [
+        dataclasses.asdict(row) | {"share": row.share.value} | more for row, more in zip(rows, bounds, strict=True)
+    ]
+    return pd.DataFrame(values).to_csv(index=False, float_format="%.6g", lineterminator="\n")
+
+
+def _line(values: Sequence[str]) -> str:
+    return " & ".join(map(_escaped, values)) + r" \\"
+
+
+def _escaped(text: str) -> str:
+    """The text as LaTeX shows it."""
+    words = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    return "".join(words.get(each, rf"\{each}" if each in "&%$#_{}" else each) for each in text)

@@ -1,0 +1,1 @@
+"""The library itself: a scene, how it is solved, and the plan."""

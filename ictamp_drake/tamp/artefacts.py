@@ -1,0 +1,33 @@
+"""What a run leaves of one problem, besides its record: first what cannot be made again, then the pages."""
+
+from pathlib import Path
+from typing import Literal
+
+from ictamp_drake.scenes.spec import save_scene
+from ictamp_drake.tamp.solve import Solution
+
+Artefacts = Literal["all", "plan", "none"]
+
+
+def write_artefacts(solution: Solution, folder: Path, which: Artefacts) -> None:
+    """Write scene.yaml and, for a verified plan, plan.yaml; for "all" also tree and pictures; for "none" nothing."""
+    if which == "none":
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    write_result(solution, folder)
+    if which == "all":
+        write_pages(solution, folder)
+
+
+def write_result(solution: Solution, folder: Path) -> None:
+    """Write scene.yaml and, for a verified plan, plan.yaml."""
+    save_scene(solution.task.spec, folder / "scene.yaml")
+    if solution.plan is not None:
+        solution.plan.save(folder / "plan.yaml")
+
+
+def write_pages(solution: Solution, folder: Path) -> None:
+    """Write tree and pictures, see `pages.write_pages`."""
+    from ictamp_drake.tamp import pages  # noqa: PLC0415  (what draws takes long to load)
+
+    pages.write_pages(solution, folder)

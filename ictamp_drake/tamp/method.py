@@ -1,0 +1,233 @@
+"""Options of the programs: frozen dataclasses from which the command line is derived.
+
+A choice between implementations is a dataclass with one field for each; its field names are what one can choose.
+"""
+
+import dataclasses
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, get_args
+
+import tyro
+
+from ictamp_drake.core.checks import check_choice, check_range
+from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
+from ictamp_drake.estimators.p_score import PScoreConfig
+from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.els import ElsConfig
+from ictamp_drake.planning.planner import Budget, PlannerConfig
+from ictamp_drake.planning.proportional import ProportionalConfig
+from ictamp_drake.planning.round_robin import RoundRobinConfig
+from ictamp_drake.planning.stap import StapConfig
+from ictamp_drake.planning.uniform import UniformAllocationConfig
+from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.skills.runner import SkillsConfig
+from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
+from ictamp_drake.tamp.parts import Parts
+from ictamp_drake.world.predicates import PredicateConfig
+from ictamp_drake.world.simulate import PhysicsConfig
+
+
+@dataclass(frozen=True)
+class Samplers:
+    """Sources of the skill parameter k."""
+
+    policy: PolicyConfig = PolicyConfig()
+    optimisation: OptimisationConfig = OptimisationConfig()
+    uniform: UniformConfig = UniformConfig()
+
+
+@dataclass(frozen=True)
+class Estimators:
+    """Sources of P, the estimated probability that a step succeeds."""
+
+    p_score: PScoreConfig = PScoreConfig()
+    q_value: QValueConfig = QValueConfig()
+    constant: ConstantConfig = ConstantConfig()
+    monte_carlo: MonteCarloConfig = MonteCarloConfig()
+
+
+@dataclass(frozen=True)
+class Generators:
+    """Streams of high-level plans."""
+
+    breadth_first: BreadthFirst = BreadthFirst()
+    best_first: BestFirst = BestFirst()
+
+
+@dataclass(frozen=True)
+class Planners:
+    """Rules that choose the next computational action."""
+
+    completion_tree: ProportionalConfig = ProportionalConfig()
+    els: ElsConfig = ElsConfig()
+    round_robin: RoundRobinConfig = RoundRobinConfig()
+    uniform: UniformAllocationConfig = UniformAllocationConfig()
+    stap: StapConfig = StapConfig()
+    adaptive: AdaptiveConfig = AdaptiveConfig()
+
+
+Verification = Literal["none", "awake", "fine"]
+"""What a found plan must pass besides the execution of its skills; see `Method`."""
+
+Execution = Literal["each-step", "whole-plan"]
+"""When physics runs the skills; see `Method`."""
+
+FINE_STEP = 1e-3
+"""Time step of the strictest verification [s]."""
+
+FAMILIES: dict[str, type] = {
+    "sampler": Samplers,
+    "estimator": Estimators,
+    "generator": Generators,
+    "planner": Planners,
+}
+"""What each choice of a `Method` is among."""
+
+
+def choices(configs: type) -> tuple[str, ...]:
+    """What can be chosen from a dataclass of configurations, as it is written on the command line."""
+    return tuple(field.name.replace("_", "-") for field in dataclasses.fields(configs))
+
+
+def chosen(configs: object, choice: str) -> Any:
+    """The configuration with that name."""
+    return getattr(configs, choice.replace("-", "_"))
+
+
+def one_of(names: tuple[str, ...]) -> Any:
+    """How the help shows an option that takes one of the names."""
+    return tyro.conf.arg(metavar=f"{{{','.join(names)}}}")
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a problem is solved. A run that is continued keeps all of these that are `decisive`.
+
+    Attributes:
+        time_limit: of one problem, from the start of loading its scene [s].
+        max_steps: low-level steps of one problem.
+        seed: of everything random in the search.
+        sampler: where skill parameters k come from.
+        estimator: where P, the estimated probability that a step succeeds, comes from.
+        generator: in which order high-level plans come.
+        planner: which computational action comes next; completion-tree is the paper's rule. els (unless weighted),
+            round-robin and uniform ask no estimator, and stap asks STAP's product of Q along the plan.
+        max_expansions: nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
+        verify: What a found plan must pass besides the execution of its skills one after the other, which is one
+            execution of the whole, bit for bit. none: nothing more. awake: another execution, in a fresh simulator in
+            which no box sleeps. fine: the same with a time step of 1 ms.
+        execution: When physics runs the skills. each-step: each at once, so that the search goes on from where physics
+            ended. whole-plan: a plan as a whole once its motions are found; until then a skill ends where it promises.
+            A step that physics refuses is blamed, and the search goes on from the one before.
+        skills: constants of the skills and of motion planning.
+        physics: how the scene is simulated.
+        predicates: tolerances of H.
+        samplers: constants of each sampler.
+        estimators: constants of each estimator.
+        generators: constants of each plan generator.
+        planners: constants of each planner.
+    """
+
+    time_limit: float = 60.0
+    max_steps: int | None = None
+    seed: int = 0
+    sampler: Annotated[str, one_of(choices(Samplers))] = "policy"
+    estimator: Annotated[str, one_of(choices(Estimators))] = "p-score"
+    generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
+    planner: Annotated[str, one_of(choices(Planners))] = "completion-tree"
+    max_expansions: int = PlannerConfig.max_expansions
+    verify: Verification = "none"
+    execution: Annotated[Execution, tyro.conf.arg(name="physics")] = "each-step"
+    skills: SkillsConfig = SkillsConfig()
+    physics: PhysicsConfig = PhysicsConfig()
+    predicates: PredicateConfig = PredicateConfig()
+    samplers: Samplers = Samplers()
+    estimators: Estimators = Estimators()
+    generators: Generators = Generators()
+    planners: Planners = Planners()
+
+    def __post_init__(self) -> None:
+        check_range("time-limit", self.time_limit, 0, 1e6, " s")
+        check_range("max-steps", self.max_steps or 0, 0, 1e9)
+        check_range("seed", self.seed, 0, 2**63 - 1)
+        check_range("max-expansions", self.max_expansions, 1, 1e9)
+        check_choice("verify", self.verify, get_args(Verification))
+        check_choice("physics", self.execution, get_args(Execution))
+        for field, family in FAMILIES.items():
+            name = getattr(self, field).replace("_", "-")  # both ways of writing a name
+            check_choice(field, name, choices(family))
+            object.__setattr__(self, field, name)
+
+    def with_options(self, **options: Any) -> "Method":
+        """The same method with other values of some fields.
+
+        Raises:
+            IctampError: A field or its value does not exist.
+        """
+        for name in options:
+            check_choice("option", name, [field.name for field in dataclasses.fields(self)])
+        return replace(self, **options)
+
+    def check(self) -> None:
+        """Raise IctampError at once, rather than in every problem, when what was learned is not to be had."""
+        for config in self.learned:
+            config.check()
+
+    @property
+    def learned(self) -> list[Any]:
+        """Those of the chosen sampler and estimator that need trained networks."""
+        return [config for config in (self.parts.sampler, self.parts.estimator) if hasattr(config, "check")]
+
+    @property
+    def parts(self) -> Parts:
+        """All that is chosen."""
+        return Parts(
+            chosen(self.samplers, self.sampler),
+            self.estimator_config,
+            chosen(self.generators, self.generator),
+            chosen(self.planners, self.planner),
+        )
+
+    @property
+    def estimator_config(self) -> Any:
+        """The chosen estimator, or what stap needs in its place."""
+        if self.planner == "stap":
+            stap, critics = self.planners.stap, self.estimators.q_value
+            return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
+        return chosen(self.estimators, self.estimator)
+
+    @property
+    def verification(self) -> PhysicsConfig | None:
+        """How a found plan is executed once more, None when it is not."""
+        if self.verify == "none":
+            return None
+        step = min(FINE_STEP, self.physics.time_step) if self.verify == "fine" else self.physics.time_step
+        return replace(self.physics, sleep=False, time_step=step)
+
+    @property
+    def decisive(self) -> dict[str, Any]:
+        """Every option that decides how a problem is solved: all but the constants of what is not chosen."""
+        values = dataclasses.asdict(self)
+        used = {choice: getattr(self, choice) for choice in FAMILIES}
+        used |= {"estimator": "q-value"} if self.planner == "stap" else {}
+        for choice, name in used.items():
+            field = name.replace("-", "_")
+            values[f"{choice}s"] = {field: values[f"{choice}s"][field]}
+        return values
+
+    def budget(self, elapsed: float) -> Budget:
+        """What the search may spend when `elapsed` [s] of the time limit are spent."""
+        return Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
+
+
+SCENE_METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
+"""Default of everything that plans in a scene of one's own; experiments keep the defaults of `Method`.
+
+Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
+thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first
+search and 30 (`benchmarks/opening.py`).
+"""

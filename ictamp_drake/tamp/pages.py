@@ -1,0 +1,97 @@
+"""Pictures and pages of one problem. They are made when its result is known, and with what only they need."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.files import write_whole
+from ictamp_drake.core.types import Configuration
+from ictamp_drake.tamp.plan import Plan
+from ictamp_drake.tamp.replay import plan_frames, recorded_steps, starts
+from ictamp_drake.tamp.solve import Solution
+from ictamp_drake.viz.growth import draw_growth
+from ictamp_drake.viz.picture import scene_png
+from ictamp_drake.viz.replay import plan_captions, replay_html
+from ictamp_drake.viz.search_page import search_html
+from ictamp_drake.viz.stage import Stage, start_meshcat
+from ictamp_drake.viz.tree import draw_tree
+from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.world import World
+
+
+def write_pages(solution: Solution, folder: Path) -> None:
+    """Write the tree, its pictures, that of the scene and the pages; each that can be made is.
+
+    Raises:
+        RuntimeError: one sentence that says which could not be made.
+    """
+    failed: dict[str, Exception] = {}
+    for name, write in _pages(solution, folder.name).items():
+        try:
+            write(folder / name)
+        except Exception as error:
+            failed[name] = error
+    if failed:
+        causes = "; ".join(f"{name} could not be made: {error!r}" for name, error in failed.items())
+        raise RuntimeError(causes) from next(iter(failed.values()))
+
+
+def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
+    """What writes each, by its name."""
+    task, result = solution.task, solution.result
+    tree = result.tree.to_dict(_configuration_to_dict)
+
+    @cache
+    def stage() -> Stage:
+        return Stage(task.spec, start_meshcat())
+
+    def write_search(path: Path) -> None:
+        recordings = recorded_steps(task.physics, result.tree)
+        search_html(task.spec, result.tree, recordings, path, title, stage=stage())
+
+    def write_animation(path: Path) -> None:
+        if solution.plan:
+            write_replay(solution.plan, path, task.physics, stage())
+
+    return {
+        "tree.json": lambda path: write_whole(path, json.dumps(tree)),
+        "tree.svg": lambda path: draw_tree(tree, path, title),
+        "growth.svg": lambda path: draw_growth(tree, path),
+        "scene.png": lambda path: scene_png(task.spec, task.c, path, stage()),
+        "search.html": write_search,
+        "replay.html": write_animation,  # the last one, since its animation stays on the stage
+    }
+
+
+def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: Stage | None = None) -> None:
+    """Write the page of a plan that is not empty, which is executed once more where its skills were not recorded.
+
+    Args:
+        plan: The plan.
+        path: File of the page.
+        physics: A simulator of the scene.
+        stage: The scene as it is drawn; it keeps the animation.
+
+    Raises:
+        IctampError: The plan is empty.
+    """
+    if not plan.attempts:
+        raise IctampError("the plan is empty, so there is nothing to show")
+    physics = physics or PhysicsConfig().create(World(plan.spec))
+    attempts = plan.attempts
+    if any(attempt.recording is None for attempt in attempts):
+        outcomes = [physics.run(plan.c, attempts[0].motion), *(physics.proceed(a.motion) for a in attempts[1:])]
+        attempts = tuple(
+            replace(attempt, motion=outcome.motion, recording=outcome.recording)
+            for attempt, outcome in zip(attempts, outcomes, strict=True)
+        )
+    replay_html(plan.spec, plan_frames(physics, attempts), plan_captions(attempts, starts(attempts)), path, stage=stage)
+
+
+def _configuration_to_dict(c: Configuration) -> dict[str, Any]:
+    poses = {name: pose.tolist() for name, pose in c.poses.items()}
+    return {"q": c.q.tolist(), "poses": poses, "held": c.held}

@@ -1,0 +1,226 @@
+"""`plan.yaml`: a found plan with all that is needed to execute it without this package."""
+
+import tempfile
+import webbrowser
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from pydrake.trajectories import Trajectory
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.files import write_whole
+from ictamp_drake.core.reading import build
+from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand, Segment
+from ictamp_drake.scenes.spec import SceneSpec, to_yaml
+from ictamp_drake.symbolic.goals import parse_goal
+from ictamp_drake.tamp.replay import Replay, duration, replay
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.commands import arm_trajectory
+from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.world import World
+
+FORMAT = 2
+"""Of the files that are written. Those of format 1 lack `commanded`, `x` and `touches`, and are read, too."""
+
+HEADER = """\
+# A plan for a Franka Emika Panda with its hand, found and executed in simulation. Metres, radians, seconds, newtons.
+#
+# format      of this file
+# scene       the scene's file. Supports stand still; "position" is the centre of a support's TOP face and of a box.
+# initial     the start, at rest. q: 7 arm joints, then 2 fingers [m]. poses: of each box's centre in the world frame,
+#             unit quaternion w, x, y, z, then x, y, z. commanded: the 7 arm joints as they were commanded last, where
+#             the first segment begins; from then on each begins where the one before ends, at rest. x: the complete
+#             state of the simulator, for the same execution bit for bit.
+# skeleton    the high-level plan.
+# steps       one for each action, to be executed without a pause between them:
+#   action    pick(object, what it stands on) or place(object, receptacle)
+#   k         x, y, z, yaw. Pick: the grasp in the object's upright frame (origin in the box's centre, z is the box
+#             axis nearest to the vertical, pointing up). Place: the bottom centre of the held object in the
+#             receptacle's frame (origin in the centre of its top face).
+#   segments  one after the other:
+#     label           what it is for
+#     start           time from the start of the plan
+#     duration        how long it takes; the next segment starts when it is over
+#     gripper         commanded at the segment's start, or as soon as the command before is obeyed, and in force from
+#                     then on. width: distance between the finger pads, to which each finger moves at 0.05 m/s. force:
+#                     grip force of each finger, built up within 0.05 s when the fingers have arrived; 0 lets go, before
+#                     the fingers move.
+#     order           of the arm's B-spline (degree + 1)
+#     knots           its knots, time from the segment's start; the first and last are as often repeated as `order` says
+#     control_points  its control points, positions of the 7 arm joints; a single one means that the arm stands still
+#     touches         the boxes and supports that the arm or the box in its hand may touch meanwhile; null if unknown
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A plan that was executed in simulation: skills with their parameters and motions.
+
+    Attributes:
+        spec: The scene.
+        c: c_0, where the plan starts.
+        attempts: Skills with action, k and motion, in their order.
+    """
+
+    spec: SceneSpec
+    c: Configuration
+    attempts: tuple[Attempt[Configuration], ...]
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """High-level actions of the plan."""
+        return tuple(attempt.action for attempt in self.attempts)
+
+    @property
+    def duration(self) -> float:
+        """Time that the motions take, one right after the other [s]."""
+        return duration(self.attempts)
+
+    def __len__(self) -> int:
+        return len(self.attempts)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.actions))
+
+    def trajectory(self) -> Trajectory:
+        """Commanded positions of the arm's joints from 0 to `duration` [rad], shape (7, 1), two times differentiable.
+
+        The commands of the hand are in the segments of each attempt's motion.
+
+        Raises:
+            ValueError: The plan is empty.
+        """
+        return arm_trajectory([segment for attempt in self.attempts for segment in attempt.motion])
+
+    def replay(self, physics: PhysicsConfig | None = None) -> Replay:
+        """Execute the plan in a fresh simulator, by default that of the search's default options."""
+        world = World(self.spec)
+        return replay(
+            (physics or PhysicsConfig()).create(world),
+            abstraction=Abstraction(world),
+            goal=parse_goal(self.spec.goal, sorted(self.spec.boxes), sorted(self.spec.supports)),
+            c=self.c,
+            attempts=self.attempts,
+        )
+
+    def show(self, path: Path | str | None = None, *, browser: bool = True) -> Path:
+        """Write the plan's replay as a page, and open it in a browser.
+
+        Args:
+            path: File of the page; a temporary one by default.
+            browser: Whether to open it.
+
+        Returns:
+            The file, which needs neither network nor server.
+        """
+        from ictamp_drake.tamp.pages import write_replay  # noqa: PLC0415  (what draws takes long to load)
+
+        page = Path(path) if path else Path(tempfile.mkdtemp(prefix="ictamp-")) / "replay.html"
+        write_replay(self, page)
+        if browser:
+            webbrowser.open(page.absolute().as_uri())
+        return page
+
+    def save(self, path: Path | str) -> None:
+        """Write the plan as YAML, with all that is needed to execute it without this package; see `load`."""
+        write_plan(self, Path(path))
+
+    @classmethod
+    def load(cls, path: Path | str) -> "Plan":
+        """Read a plan that `save` has written.
+
+        Raises:
+            IctampError: The file is not there or not a plan.
+        """
+        return read_plan(Path(path))
+
+
+def write_plan(plan: Plan, path: Path) -> None:
+    """Write the file; it appears whole or not at all, and numbers are read back exactly."""
+    content = {
+        "format": FORMAT,
+        "scene": yaml.safe_load(to_yaml(plan.spec)),
+        "initial": {
+            "q": plan.c.q.tolist(),
+            "poses": {name: pose.tolist() for name, pose in plan.c.poses.items()},
+            "commanded": plan.c.commanded.tolist(),
+            "x": None if plan.c.x is None else plan.c.x.tolist(),
+        },
+        "skeleton": [str(attempt.action) for attempt in plan.attempts],
+        "steps": _steps(plan.attempts),
+    }
+    text = yaml.dump(content, Dumper=yaml.CSafeDumper, sort_keys=False, default_flow_style=None, width=120)
+    write_whole(path, HEADER + text)
+
+
+def read_plan(path: Path) -> Plan:
+    """Read a plan back.
+
+    Raises:
+        IctampError: when the file is not there or not a plan.
+    """
+    try:
+        content = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
+        if content["format"] not in (1, FORMAT):
+            raise IctampError(f"{path}: format is {content['format']}, but must be 1 or {FORMAT}")
+        initial = content["initial"]
+        c = Configuration(
+            np.array(initial["q"]),
+            {name: np.array(pose) for name, pose in initial["poses"].items()},
+            commanded=initial.get("commanded"),
+            x=initial.get("x"),
+        )
+        attempts = tuple(_attempt(step) for step in content["steps"])
+        return Plan(build(SceneSpec, content["scene"], "scene"), c, attempts)
+    except OSError as error:
+        raise IctampError(f"{path}: cannot be read: {error.strerror}") from error
+    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        raise IctampError(f"{path}: is not a plan: {error!r}") from error
+
+
+def _steps(attempts: Sequence[Attempt[Configuration]]) -> list[dict[str, Any]]:
+    steps = []
+    start = 0.0
+    for attempt in attempts:
+        segments = []
+        for segment in attempt.motion:
+            segments.append(_segment_to_dict(segment, start))
+            start += segment.duration
+        k = None if attempt.k is None else attempt.k.tolist()
+        steps.append({"action": str(attempt.action), "k": k, "segments": segments})
+    return steps
+
+
+def _segment_to_dict(segment: Segment, start: float) -> dict[str, Any]:
+    return {
+        "label": segment.label,
+        "start": start,
+        "duration": float(segment.duration),
+        "gripper": {"width": float(segment.gripper.width), "force": float(segment.gripper.force)},
+        "order": segment.order,
+        "knots": segment.knots.tolist(),
+        "control_points": segment.control_points.tolist(),
+        "touches": None if segment.touches is None else sorted(segment.touches),
+    }
+
+
+def _attempt(step: dict[str, Any]) -> Attempt[Configuration]:
+    name, _, arguments = step["action"].removesuffix(")").partition("(")
+    motion = tuple(map(_segment, step["segments"]))
+    return Attempt(Action(name, tuple(arguments.split(", "))), None, k=np.array(step["k"]), motion=motion)
+
+
+def _segment(segment: dict[str, Any]) -> Segment:
+    return Segment(
+        label=segment["label"],
+        duration=segment["duration"],
+        gripper=GripperCommand(**segment["gripper"]),
+        order=segment["order"],
+        knots=np.array(segment["knots"]),
+        control_points=np.array(segment["control_points"]),
+        touches=None if (touches := segment.get("touches")) is None else frozenset(touches),
+    )

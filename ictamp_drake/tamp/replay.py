@@ -1,0 +1,103 @@
+"""A plan executed in one go, by one simulator that is never reset, and what there is to see of executions."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import accumulate
+from time import process_time
+
+from ictamp_drake.core.types import Atom, Attempt, Configuration
+from ictamp_drake.planning.tree import ROOT, Step, Tree
+from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.outcome import Frame, Outcome
+from ictamp_drake.world.simulate import Physics
+
+MAX_STEPS = 60
+"""How many steps of a search are shown in motion: each takes about 25 kB of a page."""
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """One execution of a plan.
+
+    Attributes:
+        outcomes: where each skill ended; fewer than skills when the contact solver diverged.
+        reached: whether all came to rest after each skill, and H of the last configuration holds the goal.
+        seconds: processor time of the simulation [s].
+    """
+
+    outcomes: tuple[Outcome, ...]
+    reached: bool
+    seconds: float
+
+    @property
+    def c(self) -> Configuration:
+        """Where the plan ended.
+
+        Raises:
+            IndexError: when it is empty.
+        """
+        return self.outcomes[-1].c
+
+
+def replay(
+    physics: Physics,
+    *,
+    abstraction: Abstraction,
+    goal: frozenset[Atom],
+    c: Configuration,
+    attempts: Sequence[Attempt[Configuration]],
+) -> Replay:
+    """Execute the motions of a plan from c.
+
+    With the options of the search every configuration is that of the search again, bit for bit. With a finer time step
+    or the whole scene awake, a skill may have to wait a little longer for rest.
+    """
+    start = process_time()
+    outcomes: list[Outcome] = []
+    with suppress(RuntimeError):  # the contact solver diverged
+        for attempt in attempts:
+            outcomes.append(physics.proceed(attempt.motion) if outcomes else physics.run(c, attempt.motion))
+    seconds = process_time() - start
+    end = outcomes[-1].c if outcomes else c
+    settled = len(outcomes) == len(attempts) and all(outcome.settled for outcome in outcomes)
+    return Replay(tuple(outcomes), settled and goal <= abstraction(end), seconds)
+
+
+def plan_frames(physics: Physics, attempts: Sequence[Attempt[Configuration]]) -> list[Frame]:
+    """What there is to see of a plan, from the recordings of its skills; time is that from the start of the plan."""
+    frames: list[Frame] = []
+    for attempt, start in zip(attempts, starts(attempts), strict=True):
+        if attempt.recording is not None:
+            moments = physics.frames(attempt.recording)
+            frames += [Frame(start + frame.time, frame.c) for frame in (moments if not frames else moments[1:])]
+    return frames
+
+
+def recorded_steps(physics: Physics, tree: Tree[Configuration], limit: int = MAX_STEPS) -> dict[int, list[Frame]]:
+    """Recordings of the executed steps by their place in the tree's log, each from its node's c to where it ended.
+
+    Args:
+        physics: a simulator of the scene.
+        tree: what the search left.
+        limit: how many to show; first those of the plan, then the other successes, then the failures.
+    """
+    executed = [
+        (number, step)
+        for number, step in enumerate(tree.log)
+        if isinstance(step, Step) and step.attempt.recording is not None
+    ]
+    plan = tree.path(ROOT if tree.solution is None else tree.solution)
+    executed.sort(key=lambda item: (item[1].attempt not in plan, item[1].child is None))
+    recordings = ((number, step.attempt.recording) for number, step in executed[:limit])
+    return {number: physics.frames(recording) for number, recording in recordings if recording is not None}
+
+
+def starts(attempts: Sequence[Attempt[Configuration]]) -> list[float]:
+    """When each skill begins in an execution of the plan [s]."""
+    return list(accumulate((attempt.duration for attempt in attempts), initial=0.0))[: len(attempts)]
+
+
+def duration(attempts: Sequence[Attempt[Configuration]]) -> float:
+    """How long the motions of a plan take, one right after the other [s]."""
+    return sum(attempt.duration for attempt in attempts)

@@ -1,0 +1,132 @@
+"""From a task to a plan that was executed, or to the reasons why there is none."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
+from typing import Any
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.core.types import Attempt, Configuration
+from ictamp_drake.planning.events import Listener
+from ictamp_drake.planning.planner import PlannerConfig, Verify
+from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.tamp.explanation import Explanation
+from ictamp_drake.tamp.method import SCENE_METHOD, Method
+from ictamp_drake.tamp.parts import Parts
+from ictamp_drake.tamp.plan import Plan
+from ictamp_drake.tamp.replay import replay
+from ictamp_drake.tamp.task import Task
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What came of a task.
+
+    Attributes:
+        task: The task.
+        result: What the search left.
+        planning_time_s: Time for building the scene and for the search [s].
+        cpu_time_s: Processor time of this process for the same [s].
+        setup_time_s: Part of the processor time that was spent before the search [s].
+        geometric_time_s: Processor time until the first plan was finished of which no step had run in physics yet [s];
+            None when there is none, or when each step runs in physics at once.
+    """
+
+    task: Task
+    result: PlanningResult[Configuration]
+    planning_time_s: float
+    cpu_time_s: float
+    setup_time_s: float
+    geometric_time_s: float | None = None
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan that was found and executed; None when there is none, see `explain`."""
+        if not self.result.solved or self.result.plan is None:
+            return None
+        return Plan(self.task.spec, self.task.c, self.result.plan)
+
+    def explain(self) -> Explanation:
+        """Why the search ended, what was refused by what, and what would help; `str` of it is for people."""
+        return Explanation.of(self.result, self.planning_time_s)
+
+    @property
+    def kinematic_time_s(self) -> float:
+        """Processor time of everything but physics [s]."""
+        stages = self.result.seconds_by_stage
+        return self.cpu_time_s - stages.get("physics", 0.0) - stages.get("verification", 0.0)
+
+    @property
+    def execution_time_s(self) -> float | None:
+        """Computing time of the one execution of the found plan, skill by skill [s]; None when there is none."""
+        return sum(attempt.seconds["physics"] for attempt in self.result.plan or ()) if self.result.solved else None
+
+
+def solve(
+    task: Task,
+    method: Method = SCENE_METHOD,
+    *,
+    listeners: Sequence[Listener] = (),
+    stop: Callable[[], bool] = lambda: False,
+    parts: Parts | None = None,
+    **options: Any,
+) -> Solution:
+    """Plan until a plan is found and executed, or the budget is spent.
+
+    Args:
+        task: The task.
+        method: How it is solved.
+        listeners: Called with every event of the search.
+        stop: Asked before every computational action; True ends the search.
+        parts: Parts to search with, by default those that the method chose.
+        options: Fields of `Method` to be changed, e.g. sampler="optimisation", time_limit=30.
+
+    Raises:
+        IctampError: An option or its value does not exist, or the task was loaded with other physics.
+    """
+    started, cpu_started = perf_counter(), process_time()
+    method = method.with_options(**options)
+    if method.physics != task.physics.config:
+        raise IctampError("physics differs from that of the task; pass the same method to `load` and `solve`")
+    parts = parts or method.parts
+    skills = method.skills.create(task.world, task.abstraction, task.physics, parts.sampler, parts.skills)
+    whole = method.execution == "whole-plan"
+    estimator = parts.estimator.create(task.world, skills)
+    budget = method.budget(elapsed=task.setup_time_s + perf_counter() - started)
+    planner = PlannerConfig(budget, method.max_expansions, parts.rule).create(
+        c=task.c,
+        s=task.s,
+        generator=parts.generator.create(task.domain, task.s, task.goal),
+        skills=replace(skills, promises=whole),
+        execute=skills.execute if whole else None,
+        estimator=estimator,
+        verify=verifier(task, method),
+        rng=generator(Stream.EVALUATION, method.seed, task.spec.seed),
+        listeners=listeners,
+        stop=stop,
+    )
+    setup = task.setup_cpu_time_s + process_time() - cpu_started
+    result = planner.run()
+    geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
+    planning = task.setup_time_s + perf_counter() - started
+    return Solution(task, result, planning, task.setup_cpu_time_s + process_time() - cpu_started, setup, geometric)
+
+
+def verifier(task: Task, method: Method) -> Verify[Configuration]:
+    """What a plan must pass after its skills were executed one after the other.
+
+    That is one execution of the whole already, bit for bit, since a configuration is the complete state of the
+    simulator. So nothing more is asked by default.
+    """
+
+    def verify(attempts: tuple[Attempt[Configuration], ...]) -> bool:
+        physics = method.verification
+        return (
+            physics is None
+            or replay(
+                physics.create(task.world), abstraction=task.abstraction, goal=task.goal, c=task.c, attempts=attempts
+            ).reached
+        )
+
+    return verify

@@ -1,0 +1,47 @@
+"""Parts of scenes and the blocks that they are joined in."""
+
+from pathlib import Path
+
+from ictamp_drake.collection.shards import BLOCK, Shards
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("*.parquet"))
+
+
+def test_blocks_are_joined_as_soon_as_all_of_their_scenes_are_over(tmp_path: Path) -> None:
+    shards, scenes = Shards(tmp_path), range(2 * BLOCK)
+    for scene in range(BLOCK - 1):
+        shards.add(scene, [])
+    shards.join(scenes)
+    assert names(tmp_path) == []
+    shards.add(BLOCK - 1, [])
+    shards.add(BLOCK, [])
+    shards.join(scenes)
+    assert names(tmp_path) == [f"000000-{BLOCK - 1:06d}.parquet"]
+    assert names(tmp_path / "parts") == [f"{BLOCK:06d}.parquet"]
+    assert shards.done() == set(range(BLOCK + 1))
+
+
+def test_a_part_that_is_left_of_a_joined_block_goes(tmp_path: Path) -> None:
+    shards = Shards(tmp_path)
+    for scene in range(3):
+        shards.add(scene, [])
+    left = (tmp_path / "parts" / "000001.parquet").read_bytes()
+    shards.join(range(3))
+    (tmp_path / "parts" / "000001.parquet").write_bytes(left)
+    shards.join(range(3))
+    assert names(tmp_path) == ["000000-000002.parquet"]
+    assert names(tmp_path / "parts") == []
+
+
+def test_ranges_that_overlap_share_their_scenes(tmp_path: Path) -> None:
+    shards = Shards(tmp_path)
+    for scene in (5, 6):
+        shards.add(scene, [])
+    shards.join([5, 6])
+    for scene in (4, 7):
+        shards.add(scene, [])
+    shards.join([4, 5, 6, 7])
+    assert shards.done() == {4, 5, 6, 7}
+    assert names(tmp_path) == ["000004-000007.parquet", "000005-000006.parquet"]

@@ -1,0 +1,92 @@
+"""What is read from the folder of a run."""
+
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.reports.regime import UNNAMED, read_regime, tabulated
+from ictamp_drake.runs.records import OWN
+from tests.runs.recorded import CONDITIONS, folder_of, run
+
+
+def test_a_regime_says_how_its_runs_were_made(tmp_path: Path) -> None:
+    records = [run("b", 1), run("a", 0, level="medium"), run("b", 0, seed=3, solved=False, load=(3.0, 2.0, 1.0))]
+    regime = read_regime(folder_of(tmp_path / "paper", records))
+    assert (regime.name, regime.time_limit) == ("paper", 60.0)
+    assert regime.strategies == ["b", "a"]
+    assert regime.runs["level"].tolist() == ["easy", "easy", "medium"]
+    assert regime.about == {
+        "runs": "3",
+        "program": "runner",
+        "commit": "9760efb315-dirty",
+        "drake": "1.51.1",
+        "cores": "2",
+        "workers": "2",
+        "load": "2.0 (2.0 to 3.0)",
+        "time limit of a run [s]": "60",
+        "limit of low-level steps": "none",
+        "seeds": "0, 3",
+    }
+
+
+def test_unsolved_runs_count_with_the_time_limit() -> None:
+    records = [run("a", 0, seconds=4.0), run("a", 1, seconds=7.0, solved=False)]
+    assert tabulated(records, 60.0)["counted"].tolist() == [4.0, 60.0]
+    assert tabulated(records)["counted"].tolist() == [4.0, 7.0]
+
+
+def test_rows_are_in_the_same_order_whatever_that_of_the_records() -> None:
+    each = product((0, 1), ("easy", "hard"), (0, 1))
+    records = [run("a", number, level=level, seed=seed) for number, level, seed in each]
+    assert tabulated(records).equals(tabulated(records[::-1]))
+
+
+def test_what_has_no_name_gets_one() -> None:
+    runs = tabulated([run("", level=None)])
+    assert runs.loc[0, ["strategy", "level"]].tolist() == [UNNAMED, OWN]
+
+
+def test_interrupted_runs_are_left_out_and_broken_ones_count(tmp_path: Path) -> None:
+    records = [run("a", 0), run("a", 1, solved=False, stop_reason="STOPPED")]
+    records.append(run("a", 2, solved=False, stop_reason="CRASHED", error="the process died"))
+    regime = read_regime(folder_of(tmp_path / "run", records))
+    assert regime.runs["problem"].tolist() == ["easy-000", "easy-002"]
+    assert regime.about["runs"] == (
+        "2; 1 of them broke down and count as unsolved; 1 more were interrupted and are left out"
+    )
+
+
+def test_what_no_configuration_tells_is_not_known(tmp_path: Path) -> None:
+    regime = read_regime(folder_of(tmp_path / "run", [run("a")], config=None))
+    assert regime.time_limit is None
+    assert regime.about["commit"] == "not known"
+
+
+def test_several_time_limits_are_no_limit_of_all(tmp_path: Path) -> None:
+    config = CONDITIONS | {"strategies": {"b": {"time_limit": 30.0}}}
+    regime = read_regime(folder_of(tmp_path / "run", [run("a")], config))
+    assert regime.time_limit is None
+    assert regime.about["time limit of a run [s]"] == "60, 30"
+
+
+def test_a_folder_without_records_is_named_beside_those_that_have_them(tmp_path: Path) -> None:
+    with pytest.raises(IctampError, match=r"nowhere holds no results.jsonl; nor does any folder beside it"):
+        read_regime(tmp_path / "nowhere")
+    folder_of(tmp_path / "default", [run("a")])
+    with pytest.raises(IctampError, match=r"the folders beside it that do are: default$"):
+        read_regime(tmp_path / "nowhere")
+
+
+def test_a_broken_configuration_is_named(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "run", [run("a")])
+    (folder / "config.yaml").write_text("- 1")
+    with pytest.raises(IctampError, match=r"config.yaml: the file is \[1\], but must be a mapping"):
+        read_regime(folder)
+
+
+def test_a_run_that_has_not_finished_anything_is_no_regime(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "run", [run("a", solved=False, stop_reason="STOPPED")])
+    with pytest.raises(IctampError, match=r"results.jsonl: holds no finished run; interrupted ones: 1"):
+        read_regime(folder)
