@@ -30,9 +30,9 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.experiments.strategies import STRATEGIES
 from ictamp_drake.reports.comparison import PROBLEM, ratio
-from ictamp_drake.reports.markdown import filled, table
+from ictamp_drake.reports.markdown import drop_empty_columns, table
 from ictamp_drake.runs.conduct import Conduct
-from ictamp_drake.runs.folder import RESULTS, opened
+from ictamp_drake.runs.folder import RESULTS, open_run_folder
 from ictamp_drake.scenes.levels import problem_files
 
 ROOT = Path(__file__).parents[1]
@@ -83,7 +83,7 @@ class Options:
         return {BEFORE: f"{shared} {self.options_before}".strip(), AFTER: f"{shared} {self.options}".strip()}
 
 
-def chosen(options: Options) -> list[Row]:
+def choose_problems(options: Options) -> list[Row]:
     """The problems in their order: level (or the scene's folder), name, and what `measured.py` finds its file by."""
     if options.scenes:
         paths = [path.absolute() for path in options.scenes]
@@ -187,7 +187,7 @@ def key(row: Row) -> tuple[Any, ...]:
     return tuple(row[name] for name in ("round", *PROBLEM, "tree"))
 
 
-def missing(problems: Sequence[Row], rounds: int, rows: Iterable[Row]) -> Iterator[list[Row]]:
+def list_missing(problems: Sequence[Row], rounds: int, rows: Iterable[Row]) -> Iterator[list[Row]]:
     """What is left to measure, in its order, a list a round; what broke down is measured again."""
     done = {key(row) for row in rows if "error" not in row}
     for number in range(rounds):
@@ -207,15 +207,15 @@ def measure(options: Options, problems: Sequence[Row]) -> list[Row]:
             "options_before": options_of[BEFORE],
             "options_after": options_of[AFTER],
         }
-        with opened("against", about, Conduct(out=options.out)) as folder:
+        with open_run_folder("against", about, Conduct(out=options.out)) as folder:
             results = folder / RESULTS
-            for turns in missing(problems, options.rounds, read(results)):
+            for turns in list_missing(problems, options.rounds, read(results)):
                 with ExitStack() as stack:
                     new = {tree: Child(paths[tree], options_of[tree]) for tree in TREES}
                     children = {tree: stack.enter_context(closing(child)) for tree, child in new.items()}
                     for turn in turns:
                         add(turn | children[turn["tree"]].solve(turn), results)
-            wanted = {key(turn) for turns in missing(problems, options.rounds, ()) for turn in turns}
+            wanted = {key(turn) for turns in list_missing(problems, options.rounds, ()) for turn in turns}
             return [row for row in read(results) if key(row) in wanted]
 
 
@@ -229,7 +229,7 @@ def add(row: Row, path: Path) -> None:
     print(f"round {row['round']}, {row['level']}, {row['problem']}, {row['tree']}: {became}", file=sys.stderr)
 
 
-def paired(rows: Iterable[Row]) -> pd.DataFrame:
+def pair_rows(rows: Iterable[Row]) -> pd.DataFrame:
     """A line a round and problem that both trees have been through, with the commit's figures under `OTHER` names."""
     columns = ["round", *PROBLEM, "tree", "solved", "cpu_s", "plan_duration_s", "geometric_time_s"]
     runs = pd.DataFrame(list(rows), columns=columns)
@@ -249,7 +249,7 @@ def ratios(pairs: pd.DataFrame) -> list[str]:
         seconds = [typical(both, name) for name in (f"cpu_s{OTHER}", "cpu_s")]
         found = [part(both, "cpu_s"), part(geometric, "geometric_time_s"), part(both, "plan_duration_s")]
         rows.append([str(level), str(group["problem"].nunique()), *solved, *seconds, *found])
-    return table(*filled(headings, rows))
+    return table(*drop_empty_columns(headings, rows))
 
 
 def typical(runs: pd.DataFrame, figure: str) -> str:
@@ -268,7 +268,7 @@ def part(both: pd.DataFrame, figure: str) -> str:
 
 def report(options: Options, rows: Sequence[Row]) -> str:
     """The tables, and what does not count in them."""
-    pairs = paired(rows)
+    pairs = pair_rows(rows)
     one = int((pairs["solved"] != pairs[f"solved{OTHER}"]).sum())
     broken = sum("error" in row for row in rows)
     excluded = (
@@ -286,7 +286,7 @@ def main() -> None:
     options = tyro.cli(Options, description=__doc__)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # the temporary folders go then, too
     try:
-        text = report(options, measure(options, chosen(options)))
+        text = report(options, measure(options, choose_problems(options)))
         write_whole(options.out / "table.md", text)
         print(text)
     except IctampError as error:

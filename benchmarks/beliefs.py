@@ -16,7 +16,7 @@ from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.dataset import scene
-from ictamp_drake.reports.predictions import by_scene
+from ictamp_drake.reports.predictions import group_by_scene
 from ictamp_drake.world.world import World
 
 DATA = Path(__file__).parents[1] / "data" / "outcomes"
@@ -25,11 +25,11 @@ DRAWS = 2
 STRENGTHS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
-def counted(skill: str) -> tuple[FloatArray, FloatArray]:
+def count_successes(skill: str) -> tuple[FloatArray, FloatArray]:
     """P and the number of successes of each case, both of shape (n,)."""
     cases = [case for case in read_cases(DATA, skill, DRAWS, "policy") if case.scene % EVERY == 0]
     P, successes = list[float](), list[int]()
-    for group in by_scene(cases):
+    for group in group_by_scene(cases):
         estimator = PScoreConfig().create(World(scene(group[0].spec)))
         options = [(case.c, Skeleton((frozenset(), frozenset()), (case.action,))) for case in group]
         P += estimator.estimate(options).tolist()
@@ -47,7 +47,7 @@ def main() -> None:
     print(f"{'':8}{'cases':>7}{'best':>7}" + "".join(f"{strength:>8g}" for strength in STRENGTHS))
     together = np.zeros(len(STRENGTHS))
     for skill in SKILLS:
-        P, successes = counted(skill)
+        P, successes = count_successes(skill)
         best = minimize_scalar(lambda log, *data: surprise(np.exp(log), *data), (-3, 5), args=(P, successes))
         losses = [surprise(strength, P, successes) for strength in STRENGTHS]
         together += losses

@@ -17,7 +17,7 @@ from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
 
 OPTIONS, CALLS = 64, 200
@@ -33,7 +33,7 @@ ESTIMATORS = {
 
 def options(world: World) -> list[tuple[Configuration, Skeleton]]:
     """Options of one scene, repeated with boxes moved a little, so that all configurations differ."""
-    abstraction, rng = Abstraction(world), np.random.default_rng(0)
+    abstraction, rng = SceneAbstraction(world), np.random.default_rng(0)
     c = world.initial_configuration()
     state = abstraction(c)
     successors = Domain.create(sorted(world.spec.boxes), sorted(world.spec.supports), state).successors(state)

@@ -21,7 +21,7 @@ SIZES = (4, 6, 8, 12, 20, 30)
 ROUNDS = 3
 
 
-def timed(call: Callable[[], T]) -> tuple[float, T]:
+def time_call(call: Callable[[], T]) -> tuple[float, T]:
     """The least processor time of a few calls [s], and what the last one returned."""
     seconds = []
     for _ in range(ROUNDS):
@@ -31,7 +31,7 @@ def timed(call: Callable[[], T]) -> tuple[float, T]:
     return min(seconds), result
 
 
-def standing(towers: list[tuple[str, ...]], tipped: frozenset[str]) -> State:
+def atoms_of_towers(towers: list[tuple[str, ...]], tipped: frozenset[str]) -> State:
     """Atoms that say what each box of the towers rests on; a tower begins with its support."""
     pairs = [pair for tower in towers for pair in pairwise(tower)]
     return frozenset(Atom(LYING if box in tipped else ON, (box, below)) for below, box in pairs)
@@ -41,15 +41,18 @@ def initial(towers: list[tuple[str, ...]], tipped: frozenset[str]) -> State:
     """The state with these towers and an empty hand."""
     postures = {Atom(TIPPED if box in tipped else UPRIGHT, (box,)) for tower in towers for box in tower[1:]}
     return (
-        standing(towers, tipped) | postures | {Atom(CLEAR, (tower[-1],)) for tower in towers} | {Atom(HAND_EMPTY, ())}
+        atoms_of_towers(towers, tipped)
+        | postures
+        | {Atom(CLEAR, (tower[-1],)) for tower in towers}
+        | {Atom(HAND_EMPTY, ())}
     )
 
 
 def report(name: str, towers: list[tuple[str, ...]], wanted: list[tuple[str, ...]], tipped: frozenset[str]) -> None:
     """Print the row of a problem."""
     boxes = tuple(sorted(box for tower in towers for box in tower[1:]))
-    start, goal = initial(towers, tipped), standing(wanted, tipped)
-    seconds, domain = timed(lambda: Domain.create(boxes, SUPPORTS, start))
+    start, goal = initial(towers, tipped), atoms_of_towers(wanted, tipped)
+    seconds, domain = time_call(lambda: Domain.create(boxes, SUPPORTS, start))
     row = f"{name:24} {len(domain.actions):8} {seconds:10.3f}"
     for config in (SCENE_METHOD.parts.generator, BreadthFirst()):
 
@@ -58,7 +61,7 @@ def report(name: str, towers: list[tuple[str, ...]], wanted: list[tuple[str, ...
             plan = stream.next_plan(1_000_000)
             return (0 if plan is None else len(plan)), stream.expanded
 
-        seconds, (length, expanded) = timed(first_plan)
+        seconds, (length, expanded) = time_call(first_plan)
         row += f" {length:8} {expanded:9} {seconds:8.3f}"
     print(row)
 

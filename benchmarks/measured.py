@@ -53,7 +53,7 @@ def find(name: str) -> Any:
     raise ImportError(f"cannot find {name} in {', '.join(PLACES[name])}")
 
 
-def solved(problem: dict[str, Any], method: Any) -> dict[str, Any]:
+def solve_and_time(problem: dict[str, Any], method: Any) -> dict[str, Any]:
     """Solve a problem; processor time from before its file is read until a plan is verified or given up [s].
 
     Args:
@@ -80,11 +80,11 @@ def main(options: str, warm_up: str) -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print is no answer
     method = tyro.cli(find("Method"), args=shlex.split(options))
-    first = solved({"scene": warm_up}, method)
+    first = solve_and_time({"scene": warm_up}, method)
     package = importlib.import_module("ictamp_drake").__file__
     print(json.dumps({"package": package, **first}), file=answers, flush=True)
     for line in sys.stdin:
-        print(json.dumps(solved(json.loads(line), method)), file=answers, flush=True)
+        print(json.dumps(solve_and_time(json.loads(line), method)), file=answers, flush=True)
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.motion.planner import MotionPlanner, Planned, Refusal
+from ictamp_drake.motion.planner import MotionPlanner, PlannedMotion, Refusal
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
 from ictamp_drake.world.world import World
@@ -44,9 +44,9 @@ class Clock:
         return result
 
 
-def stage(result: Planned | Refusal) -> str:
+def stage(result: PlannedMotion | Refusal) -> str:
     """The row of the table that a transfer belongs to."""
-    return f"transfer: {result.stage}" if isinstance(result, Planned) else f"transfer: {result.failure}"
+    return f"transfer: {result.stage}" if isinstance(result, PlannedMotion) else f"transfer: {result.failure}"
 
 
 def grasp(c: Configuration, box: str, size: FloatArray, q: FloatArray) -> Configuration:
@@ -58,25 +58,25 @@ def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None
     """The motions of a pick and of the transfer after it, each timed."""
     planner, c = MotionPlanner(world), world.initial_configuration()
     box = max(c.poses, key=lambda name: c.poses[name][6])
-    size = world.upright(c, box).size
-    X_WG = world.upright(c, box).X_WU @ RigidTransform(DOWN, [0.0, 0.0, max(0.0, size[2] / 2 - 0.03)])
+    size = world.upright_frame(c, box).size
+    X_WG = world.upright_frame(c, box).X_WU @ RigidTransform(DOWN, [0.0, 0.0, max(0.0, size[2] / 2 - 0.03)])
     above = RigidTransform(X_WG.rotation(), X_WG.translation() + LIFT)
     start = time.process_time()
     clock.time("set configuration", lambda: planner.set_configuration(c))
     q = clock.time("posture", lambda: planner.posture(X_WG, c.q[:7]))
     if isinstance(q, Refusal):
         return
-    back = clock.time("straight", lambda: planner.straight(q, above))
+    back = clock.time("straight", lambda: planner.plan_straight(q, above))
     if isinstance(back, Refusal):
         return
     clock.time(stage, lambda: planner.transfer(c.q[:7], back.trajectory.end, rng))
     held = grasp(c, box, size, q)
     clock.time("set configuration, holding", lambda: planner.set_configuration(held))
-    lift = clock.time("straight, holding", lambda: planner.straight(q, above))
+    lift = clock.time("straight, holding", lambda: planner.plan_straight(q, above))
     clock.samples["whole pick"].append(1e3 * (time.process_time() - start))
     X_WG2 = RigidTransform(X_WG.rotation(), np.array([*world.spec.supports["rack"].position[:2], 0.4]))
     q2 = clock.time("posture", lambda: planner.posture(X_WG2, q))
-    if isinstance(lift, Planned) and not isinstance(q2, Refusal):
+    if isinstance(lift, PlannedMotion) and not isinstance(q2, Refusal):
         clock.time(stage, lambda: planner.transfer(lift.trajectory.end, q2, rng))
 
 
@@ -96,7 +96,7 @@ def cross_forest(world: World, clock: Clock, rng: np.random.Generator) -> None:
     qs: list[FloatArray] = []
     while len(qs) < 7:
         place = RigidTransform(DOWN, rng.uniform([0.3, -0.15, 0.06], [0.7, 0.4, 0.25]))
-        q = planner.posture(place, planner.kinematics.comfortable(place))
+        q = planner.posture(place, planner.kinematics.comfortable_posture(place))
         if not isinstance(q, Refusal):
             qs.append(q)
     for q0, q1 in pairwise(qs):

@@ -73,7 +73,7 @@ def towers(boxes: list[str], rng: np.random.Generator) -> list[tuple[str, ...]]:
     return found
 
 
-def standing(arrangement: list[tuple[str, ...]]) -> State:
+def atoms_of_towers(arrangement: list[tuple[str, ...]]) -> State:
     """What rests on what."""
     return frozenset(Atom(ON, (box, below)) for tower in arrangement for below, box in pairwise(tower))
 
@@ -83,10 +83,10 @@ def solve(size: int, number: int, barred: float, config: BreadthFirst | BestFirs
     rng = generator(Stream.DATA, size, number)
     boxes = [f"box_{box:02}" for box in range(size)]
     start = towers(boxes, rng)
-    final = sorted(standing(towers(boxes, rng)))
+    final = sorted(atoms_of_towers(towers(boxes, rng)))
     goal = frozenset(final[int(place)] for place in rng.permutation(size)[: 3 + size // 4])
     about = {Atom(UPRIGHT, (box,)) for box in boxes} | {Atom(CLEAR, (tower[-1],)) for tower in start}
-    state = standing(start) | about | {Atom(HAND_EMPTY, ())}
+    state = atoms_of_towers(start) | about | {Atom(HAND_EMPTY, ())}
     planner = PlannerConfig(Budget(seconds=1e6, steps=STEPS), rule=ProportionalConfig(W=W)).create(
         c=Configuration(state, 0),
         s=state,

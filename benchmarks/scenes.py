@@ -22,7 +22,7 @@ KINDS = ("scattered", "tower_2", "tower_3", "tower_4")
 COUNT = 10
 SIDE = 0.045
 """Of a cube [m]."""
-COLOURS: tuple[Vector, ...] = (
+COLORS: tuple[Vector, ...] = (
     (0.8, 0.12, 0.1),
     (0.15, 0.3, 0.8),
     (0.95, 0.8, 0.15),
@@ -53,8 +53,8 @@ def make_scene(kind: str, number: int) -> SceneSpec:
     names = [f"cube_{index}" for index in range(count)]
     spots = place_stacks([SIDE / math.sqrt(2)] * count, [Zone.FRONT] * count, [False] * count, rng)
     boxes = {
-        name: BoxSpec((SIDE,) * 3, (*spot, SIDE / 2), (0.0, 0.0, round(rng.uniform(-180, 180), 1)), colour=colour)
-        for name, spot, colour in zip(names, spots, COLOURS, strict=False)
+        name: BoxSpec((SIDE,) * 3, (*spot, SIDE / 2), (0.0, 0.0, round(rng.uniform(-180, 180), 1)), colour=color)
+        for name, spot, color in zip(names, spots, COLORS, strict=False)
     }
     if kind == "scattered":
         goal, description = goal_of(("rack", names[0]), ("rack", names[1])), f"Two of {count} cubes go onto the rack."

@@ -25,11 +25,11 @@ from scipy.stats import bootstrap
 
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration
-from ictamp_drake.learning.dataset import action, configuration, opened, scene
+from ictamp_drake.learning.dataset import action, configuration, open_table, scene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.reports import markdown
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
@@ -85,8 +85,8 @@ def collect(options: Options) -> None:
 def rates(attempts: pd.DataFrame) -> Iterator[dict[str, str]]:
     """A row a skill and source: share of successes in all cases, and in those that can be done, with 95 % intervals."""
     attempts["won"] = attempts["failure"].isna()
-    by_optimisation = attempts[attempts["sampler"] == "optimisation"].groupby(CASE, observed=True)["won"].any()
-    attempts = attempts.join(by_optimisation.rename("doable"), on=CASE)
+    by_optimization = attempts[attempts["sampler"] == "optimisation"].groupby(CASE, observed=True)["won"].any()
+    attempts = attempts.join(by_optimization.rename("doable"), on=CASE)
     for skill in ("pick", "place"):
         for name, title in SOURCES.items():
             rows = attempts[(attempts["action"] == skill) & (attempts["sampler"] == name)]
@@ -119,11 +119,13 @@ def milliseconds(options: Options, cases: Sequence[dict[str, Any]]) -> dict[tupl
         sources, each = samplers(options, World(scene(text))), list(rows)
         for name, sampler in sources.items():
             for row in each:
-                samples.setdefault((row["action"], name), []).append(timed(sampler, configuration(row), action(row)))
+                samples.setdefault((row["action"], name), []).append(
+                    time_sampler(sampler, configuration(row), action(row))
+                )
     return {key: float(np.median(values)) for key, values in samples.items()}
 
 
-def timed(sampler: Sampler[Configuration], c: Configuration, a: Action) -> float:
+def time_sampler(sampler: Sampler[Configuration], c: Configuration, a: Action) -> float:
     """Processor time of the first k [ms]."""
     start = time.process_time()
     next(sampler.draws(c, a, np.random.default_rng(0)))
@@ -136,7 +138,7 @@ def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]
     learned = {"policy": PolicyConfig(options.checkpoints, 1), "best": PolicyConfig(options.checkpoints, 16, 0.0)}
     if options.reference:
         learned["reference"] = PolicyConfig(options.reference, 1)
-    configs = {"uniform": UniformConfig(), "optimisation": OptimisationConfig(), **learned}
+    configs = {"uniform": UniformConfig(), "optimisation": OptimizationConfig(), **learned}
     return {name: config.create(world, arm) for name, config in configs.items()}
 
 
@@ -145,10 +147,10 @@ def main() -> None:
     options = tyro.cli(Options, description=__doc__)
     origin = provenance()
     collect(options)
-    attempts = opened(options.out).to_table(columns=[*CASE, "sampler", "failure"]).to_pandas()
+    attempts = open_table(options.out).to_table(columns=[*CASE, "sampler", "failure"]).to_pandas()
     table = pd.DataFrame(rates(attempts))
     columns = [*CASE, "spec", "q", "poses", "held", "gripper"]
-    rows = opened(options.out).to_table(columns=columns).to_pylist()
+    rows = open_table(options.out).to_table(columns=columns).to_pylist()
     cost = milliseconds(options, list({tuple(row[name] for name in CASE): row for row in rows}.values())[:TIMED])
     named = {(skill, SOURCES[name]): f"{value:.2f}" for (skill, name), value in cost.items()}
     table["ms"] = [named.get(key, "") for key in zip(table["skill"], table["k from"], strict=True)]

@@ -27,7 +27,7 @@ def pins() -> dict[str, str]:
     return {canonicalize_name(match[1]): match[2] for _, match in matches if match}
 
 
-def needed(requirements: Iterable[str], seen: set[str]) -> Iterator[str]:
+def needed_packages(requirements: Iterable[str], seen: set[str]) -> Iterator[str]:
     """Names of the requirements that apply here and of all they need, except what torch brings for itself."""
     for requirement in map(Requirement, requirements):
         name = canonicalize_name(requirement.name)
@@ -36,13 +36,13 @@ def needed(requirements: Iterable[str], seen: set[str]) -> Iterator[str]:
         seen.add(name)
         yield name
         if name != "torch":
-            yield from needed(distribution(name).requires or [], seen)
+            yield from needed_packages(distribution(name).requires or [], seen)
 
 
 @pytest.mark.parametrize("group", ["main", "test"])
 def test_everything_needed_is_pinned_at_the_version_that_is_installed(group: str) -> None:
     declared = PROJECT["dependencies"] if group == "main" else PROJECT["optional-dependencies"]["test"]
-    installed = {name: version(name).partition("+")[0] for name in needed(declared, set())}
+    installed = {name: version(name).partition("+")[0] for name in needed_packages(declared, set())}
     assert {name: pins().get(name) for name in installed} == installed
 
 

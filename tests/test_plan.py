@@ -13,7 +13,8 @@ import yaml
 
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.experiments.packing import Packing
-from ictamp_drake.plan import METHOD, Plan, work
+from ictamp_drake.plan import PlanOptions, work
+from ictamp_drake.tamp.method import SCENE_METHOD
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.records import Record, read_records
@@ -161,7 +162,7 @@ def test_a_finished_run_has_nothing_left_to_do(
 ) -> None:
     before = (folder / "first" / "results.jsonl").read_bytes()
     arguments = [str(folder / "scene.yaml"), "--out", str(folder / "first"), "--resume", *LIMIT]
-    assert program.main("ictamp_drake.plan", Plan, work, arguments) == COMPLETE
+    assert program.main("ictamp_drake.plan", PlanOptions, work, arguments) == COMPLETE
     assert "0 problems to solve, 1 done before" in capsys.readouterr().out
     assert (folder / "first" / "results.jsonl").read_bytes() == before
     assert record.is_final
@@ -169,7 +170,7 @@ def test_a_finished_run_has_nothing_left_to_do(
 
 def refuse(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     """The sentence with which the program refuses the arguments."""
-    assert program.main("ictamp_drake.plan", Plan, work, arguments) == BAD_INPUT
+    assert program.main("ictamp_drake.plan", PlanOptions, work, arguments) == BAD_INPUT
     output = capsys.readouterr()
     assert output.out == ""
     assert output.err.count("\n") == 1
@@ -203,13 +204,13 @@ def test_a_bad_scene_is_refused_in_one_sentence(
 
 
 def test_the_generator_and_its_W_are_chosen_together() -> None:
-    chosen = [tyro.cli(Plan, args=["scene.yaml"]).method.decisive, tyro.cli(Packing, args=[]).method.decisive]
+    chosen = [tyro.cli(PlanOptions, args=["scene.yaml"]).method.decisive, tyro.cli(Packing, args=[]).method.decisive]
     assert [tuple(options["generators"]) for options in chosen] == [("best_first",), ("breadth_first",)]
     assert [options["planners"]["completion_tree"]["W"] for options in chosen] == [3.0, 30.0]
 
 
 def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
-    method = Plan(CROWD).method
+    method = PlanOptions(CROWD).method
     task = load(CROWD, method)
     assert len(task.domain.boxes) == 21
     stream = method.parts.generator.create(task.domain, task.abstraction(task.c), task.goal)
@@ -222,7 +223,7 @@ def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("case", ["neighbours-8-mm", "neighbours-on-two-sides"])
 def test_a_box_is_taken_from_between_its_neighbours_and_what_no_skill_moves_stays(case: str, seed: int) -> None:
-    method = replace(METHOD, seed=seed, time_limit=250, max_steps=200)
+    method = replace(SCENE_METHOD, seed=seed, time_limit=250, max_steps=200)
     solution = solve(load(CASES / f"{case}.yaml", method), method)
     assert solution.result.plan is not None, solution.result.stop_reason
     assert sum(bool(step.attempt.motion) for step in solution.result.tree.steps) <= 10

@@ -88,7 +88,7 @@ class ToyWorld:
             actions = tuple(RIGHT if step in rights else UP for step in range(length))
             cells = [(0, 0)]
             for action in actions:
-                cells.append(_after(cells[-1], action))
+                cells.append(_move(cells[-1], action))
             yield Skeleton(tuple(abstraction(ToyConfiguration(cell, 0.0)) for cell in cells), actions)
 
     def attempt(
@@ -105,7 +105,7 @@ class ToyWorld:
             offset = float(k[0])
         elif self.offsets:
             offset = self.offsets[int(offset * len(self.offsets))]
-        cell = _after(c.cell, action)
+        cell = _move(c.cell, action)
         seconds = {"physics": self.seconds}
         if cell in self.walls:
             return Attempt(action, Failure.NO_PATH, rejections=(Failure.NO_INVERSE_KINEMATICS,) * 2, seconds=seconds)
@@ -118,7 +118,7 @@ class ToyWorld:
         return Attempt(action, None, successor, np.array([offset]), seconds=seconds)
 
 
-def _after(cell: Cell, action: Action) -> Cell:
+def _move(cell: Cell, action: Action) -> Cell:
     return cell[0] + MOVES[action][0], cell[1] + MOVES[action][1]
 
 
@@ -174,7 +174,7 @@ class ToyOptimizer:
     def estimate(self, options: Sequence[tuple[ToyConfiguration, Skeleton]]) -> FloatArray:
         return np.ones(len(options))
 
-    def optimised(
+    def optimize(
         self, options: Sequence[tuple[ToyConfiguration, Skeleton]], rng: np.random.Generator
     ) -> list[PlanParameters]:
         self.asked.append(len(options))

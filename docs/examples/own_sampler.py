@@ -38,7 +38,7 @@ class Central:
         while True:
             yaw = rng.integers(4) * np.pi / 2
             if action.name == "pick":
-                yield np.array([0.0, 0.0, self._world.upright(c, box).size[2] / 2 - BELOW_TOP, yaw])
+                yield np.array([0.0, 0.0, self._world.upright_frame(c, box).size[2] / 2 - BELOW_TOP, yaw])
             else:
                 spread = 0.0 if place in self._world.spec.boxes else SPREAD
                 yield np.array([*rng.normal(0.0, spread, 2), 0.002, yaw])

@@ -7,8 +7,8 @@ import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.skills.base import imagined
-from ictamp_drake.skills.geometry import raised
+from ictamp_drake.skills.base import imagine
+from ictamp_drake.skills.geometry import raise_pose
 from ictamp_drake.skills.pick import Pick, PickConfig
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.solve import solve
@@ -49,8 +49,8 @@ class ProvenPick:
         grasp, lift = motion[-2:]
         q_grasp, q_lifted = grasp.control_points[-1], lift.control_points[-1]
         X_WG = self.planner.kinematics.forward(q_lifted)
-        self.planner.set_configuration(imagined(c, q=q_grasp, width=lift.gripper.width, held=action.args[0]))
-        heave = self.planner.straight(q_lifted, raised(X_WG, self.rise))
+        self.planner.set_configuration(imagine(c, q=q_grasp, width=lift.gripper.width, held=action.args[0]))
+        heave = self.planner.plan_straight(q_lifted, raise_pose(X_WG, self.rise))
         if isinstance(heave, Refusal):
             return heave
         way = heave.trajectory

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ictamp_drake.learning.dataset import STAGES, Row, merge, opened, write
+from ictamp_drake.learning.dataset import STAGES, AttemptRow, merge, open_table, write
 
 BLOCK = 100
 """Scenes whose rows share a file."""
@@ -19,7 +19,7 @@ class Shards:
         self._folder = folder
         self._parts = folder / "parts"
 
-    def add(self, scene: int, rows: Sequence[Row]) -> None:
+    def add(self, scene: int, rows: Sequence[AttemptRow]) -> None:
         """Write the part of a scene, which is done with it."""
         self._parts.mkdir(parents=True, exist_ok=True)
         write(rows, self._part(scene))
@@ -30,21 +30,21 @@ class Shards:
         self._parts.mkdir(parents=True, exist_ok=True)
         self._note(scene).write_text(str(attempt))
 
-    def begun(self, scene: int) -> int | None:
+    def read_begun(self, scene: int) -> int | None:
         """The attempt of a scene that was noted last."""
         text = self._note(scene).read_text() if self._note(scene).exists() else ""
         return int(text) if text else None
 
-    def done(self) -> set[int]:
+    def list_done(self) -> set[int]:
         """Scenes that are over."""
-        return {scene for first, last in self._blocks() for scene in range(first, last + 1)} | self._loose()
+        return {scene for first, last in self._blocks() for scene in range(first, last + 1)} | self._list_loose()
 
     def join(self, scenes: Sequence[int]) -> None:
         """Join in blocks what is loose of these scenes, as far as all scenes of a block are over."""
         joined = {scene for first, last in self._blocks() for scene in range(first, last + 1)}
-        for scene in joined & self._loose():  # interrupted after its block was written
+        for scene in joined & self._list_loose():  # interrupted after its block was written
             self._part(scene).unlink()
-        loose = self._loose()
+        loose = self._list_loose()
         for start in range(0, len(scenes), BLOCK):
             block = scenes[start : start + BLOCK]
             parts = sorted(loose.intersection(block))
@@ -59,7 +59,7 @@ class Shards:
     def _note(self, scene: int) -> Path:
         return self._parts / f"{scene:06d}.attempt"
 
-    def _loose(self) -> set[int]:
+    def _list_loose(self) -> set[int]:
         return {int(path.stem) for path in self._parts.glob("*.parquet") if path.stem.isdigit()}
 
     def _blocks(self) -> Iterator[tuple[int, int]]:
@@ -76,7 +76,9 @@ def summary(folder: Path) -> dict[str, Any]:
         IctampError: there are no recorded attempts in the folder.
     """
     stages = [f"{stage}_ms" for stage in STAGES]
-    rows = opened(folder).to_table(columns=["scene", "action", "sampler", "failure", "executed", *stages]).to_pylist()
+    rows = (
+        open_table(folder).to_table(columns=["scene", "action", "sampler", "failure", "executed", *stages]).to_pylist()
+    )
     seconds = {stage: sum(row[f"{stage}_ms"] for row in rows) / 1000 for stage in STAGES}
     size = sum(path.stat().st_size for path in folder.glob("*.parquet"))
     by_sampler, failures = defaultdict[str, list[dict[str, Any]]](list), defaultdict[str, Counter[str]](Counter)

@@ -14,17 +14,17 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Attempt, Configuration, State
-from ictamp_drake.learning.dataset import Row, scene_text
+from ictamp_drake.learning.dataset import AttemptRow, scene_text
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.skills.runner import SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
@@ -104,9 +104,9 @@ class WalkConfig:
         """Raise IctampError at once, rather than in every scene, when a trained policy is not to be had."""
         for source in self.sources.weights:
             if source in _LEARNED:
-                self.learned(source).check()
+                self.choose_policy(source).check()
 
-    def learned(self, source: str) -> PolicyConfig:
+    def choose_policy(self, source: str) -> PolicyConfig:
         """How a source draws from a trained policy."""
         folder = self.reference if source == "reference" else self.checkpoints
         candidates = _CANDIDATES if source in ("best", "product") else 1
@@ -125,7 +125,7 @@ def walk(
     *,
     spared: Collection[int] = (),
     begin: Callable[[int], None] = lambda _: None,
-) -> list[Row]:
+) -> list[AttemptRow]:
     """The attempts of a random walk in one training scene; the same arguments give the same rows apart from times.
 
     Args:
@@ -144,7 +144,7 @@ def walk(
     except IctampError:
         return []
     text = scene_text(spec)
-    return [Row(number, text, *each) for each in course.attempts(spared, begin)]
+    return [AttemptRow(number, text, *each) for each in course.attempts(spared, begin)]
 
 
 class _Course:
@@ -155,9 +155,9 @@ class _Course:
         self._rng = rng
         self._world = World(spec)
         self._arm = ArmKinematics(to_transform(spec.arm.X_WB))
-        self._abstraction = Abstraction(self._world)
+        self._abstraction = SceneAbstraction(self._world)
         self._physics = PhysicsConfig().create(self._world)
-        plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimisationConfig())
+        plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimizationConfig())
         self._sources = {
             source: replace(
                 plain, sampler=self._sampler(source, plain.sampler), draws=_CANDIDATES if source == "product" else 1
@@ -168,13 +168,13 @@ class _Course:
         self._met = [start_configuration(self._world, self._abstraction, self._physics, spec.description)[0]]
         self._drawn = [0]
 
-    def _sampler(self, source: str, optimisation: Sampler[Configuration]) -> Sampler[Configuration]:
+    def _sampler(self, source: str, optimization: Sampler[Configuration]) -> Sampler[Configuration]:
         config, world = self._config, self._world
         if source == "perturbed":
-            return PerturbedSampler(world, optimisation, config.noise)
+            return PerturbedSampler(world, optimization, config.noise)
         if source == "uniform":
             return UniformSampler(world, UniformConfig(max_height=config.drop))
-        return config.learned(source).create(world, self._arm) if source in _LEARNED else optimisation
+        return config.choose_policy(source).create(world, self._arm) if source in _LEARNED else optimization
 
     def attempts(
         self, spared: Collection[int], begin: Callable[[int], None]
@@ -195,7 +195,7 @@ class _Course:
                 yield here, self._drawn[here], source, self._met[here], attempt
                 self._drawn[here] += 1
             failed = 0 if any(attempt.succeeded for attempt in tried) else failed + 1
-            onward = self._onward(tried)
+            onward = self._choose_next(tried)
             if onward is not None:
                 self._met.append(onward)
                 self._drawn.append(0)
@@ -221,15 +221,15 @@ class _Course:
             options = apart[int(self._rng.random() < self._config.on_support)]
         return options[self._rng.integers(len(options))]
 
-    def _onward(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
+    def _choose_next(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
         """Where one of the successes, or now and then of the failures, ended, if planning could go on from there."""
         ends = [attempt.successor for attempt in tried if attempt.succeeded]
         if not ends and self._rng.random() < self._config.stray:
-            ends = [self._settled(attempt.successor) for attempt in tried]
+            ends = [self._settle(attempt.successor) for attempt in tried]
         known = [c for c in ends if c is not None and self._successors(c)]
         return known[self._rng.integers(len(known))] if known else None
 
-    def _settled(self, c: Configuration | None) -> Configuration | None:
+    def _settle(self, c: Configuration | None) -> Configuration | None:
         """c at rest, since a failed attempt can end in the midst of its motion."""
         if c is None:
             return None

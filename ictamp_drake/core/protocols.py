@@ -78,7 +78,7 @@ class PlanParameters(NamedTuple):
 class PlanOptimizer(Protocol[C_contra]):
     """An estimator that can also say with which parameters a whole plan is the most likely to succeed."""
 
-    def optimised(self, options: Sequence[tuple[C_contra, Skeleton]], rng: np.random.Generator) -> list[PlanParameters]:
+    def optimize(self, options: Sequence[tuple[C_contra, Skeleton]], rng: np.random.Generator) -> list[PlanParameters]:
         """The best parameters that were found for each plan from its configuration."""
 
 

@@ -136,13 +136,13 @@ def _value(hint: Any, raw: object, where: str) -> object:
         return build(hint, raw, where)  # type: ignore[arg-type]
     is_tuple = get_origin(hint) is tuple
     if is_tuple != isinstance(raw, list):
-        raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}")
+        raise IctampError(f"{where} is {raw!r}, but must be {_describe_type(hint)}")
     try:
         if is_tuple:
             return tuple(_scalar(get_args(hint)[0], item) for item in raw)  # type: ignore[attr-defined]
         return _scalar(hint, raw)
     except (ValueError, TypeError, OverflowError) as error:
-        raise IctampError(f"{where} is {raw!r}, but must be {_described(hint)}") from error
+        raise IctampError(f"{where} is {raw!r}, but must be {_describe_type(hint)}") from error
 
 
 def _scalar(kind: type, raw: object) -> object:
@@ -157,7 +157,7 @@ def _scalar(kind: type, raw: object) -> object:
     return value
 
 
-def _described(hint: Any) -> str:
+def _describe_type(hint: Any) -> str:
     words = {float: "a number", int: "a whole number", str: "text"}
     return words.get(hint) or ("a list of texts" if get_args(hint)[0] is str else "a list of three numbers")
 

@@ -83,7 +83,7 @@ class Skeleton:
         return Skeleton(self.states[start:], self.actions[start:])
 
 
-def _frozen(array: FloatArray) -> FloatArray:
+def _freeze(array: FloatArray) -> FloatArray:
     copy = np.array(array, dtype=np.float64)
     copy.setflags(write=False)
     return copy
@@ -125,10 +125,10 @@ class Configuration:
     x: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "q", _frozen(self.q))
-        object.__setattr__(self, "poses", {name: _frozen(self.poses[name]) for name in sorted(self.poses)})
-        object.__setattr__(self, "commanded", _frozen(self.q[:7] if self.commanded is None else self.commanded))
-        object.__setattr__(self, "x", None if self.x is None else _frozen(self.x))
+        object.__setattr__(self, "q", _freeze(self.q))
+        object.__setattr__(self, "poses", {name: _freeze(self.poses[name]) for name in sorted(self.poses)})
+        object.__setattr__(self, "commanded", _freeze(self.q[:7] if self.commanded is None else self.commanded))
+        object.__setattr__(self, "x", None if self.x is None else _freeze(self.x))
 
     @cached_property
     def _key(self) -> tuple[Hashable, ...]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ictamp_drake.core.types import Action, FloatArray
-from ictamp_drake.estimators.learned import Option, by_skill
+from ictamp_drake.estimators.learned import ConfiguredPlan, score_by_skill
 from ictamp_drake.observation.situations import Numbers, Situations
 from ictamp_drake.observation.state_matrix import Observation, Observer
 
@@ -52,7 +52,7 @@ class Imagination:
         self._depth = depth
 
     def run(
-        self, options: Sequence[Option], runs: int, rng: np.random.Generator, given: FloatArray | None = None
+        self, options: Sequence[ConfiguredPlan], runs: int, rng: np.random.Generator, given: FloatArray | None = None
     ) -> Rollouts:
         """Several runs of each option's plan, all together and step after step.
 
@@ -70,39 +70,43 @@ class Imagination:
         of = np.arange(n * runs).reshape(n, runs)  # the runs in each situation; those of a plan share the first
         for step in range(longest):
             going = np.flatnonzero([step < len(plans[number]) for number in of[:, 0] // runs])
-            of, situations = of[going], situations.at(going)
+            of, situations = of[going], situations.select(going)
             actions = [plans[number][step] for number in of[:, 0] // runs]
             seen = self._observer.see(situations, self._observer.steps(actions))
             if given is None:
-                k[of, step] = self._drawn(actions, seen, of.shape[1], rng)
+                k[of, step] = self._draw(actions, seen, of.shape[1], rng)
             product[of] *= self._Q(actions, seen, k[of, step])
             if step + 1 < longest:
-                situations = self._after(situations, actions, seen, k[of, step])
+                situations = self._predict_after(situations, actions, seen, k[of, step])
                 of = of.reshape(-1, 1)
         return Rollouts(k.reshape(n, runs, longest, 4), product.reshape(n, runs))
 
-    def _drawn(self, actions: Sequence[Action], seen: Observation, count: int, rng: np.random.Generator) -> FloatArray:
+    def _draw(self, actions: Sequence[Action], seen: Observation, count: int, rng: np.random.Generator) -> FloatArray:
         """So many k of the policies in each situation, shape (m, count, 4)."""
-        return by_skill(actions, seen, lambda skill, part, _: self._skills[skill].draw(part, count, rng))
+        return score_by_skill(actions, seen, lambda skill, part, _: self._skills[skill].draw(part, count, rng))
 
     def _Q(self, actions: Sequence[Action], seen: Observation, k: FloatArray) -> FloatArray:
         """Q of several k in each situation, shape (m, count, 4) -> (m, count)."""
-        return by_skill(actions, seen, lambda skill, part, at: self._skills[skill].Q(part, k[at]))
+        return score_by_skill(actions, seen, lambda skill, part, at: self._skills[skill].Q(part, k[at]))
 
-    def _after(self, situations: Situations, actions: Sequence[Action], seen: Observation, k: FloatArray) -> Situations:
+    def _predict_after(
+        self, situations: Situations, actions: Sequence[Action], seen: Observation, k: FloatArray
+    ) -> Situations:
         """What each of several k leaves, one situation after the other: k of shape (m, count, 4)."""
         count, k = k.shape[1], k.reshape(-1, 4)
         each = np.repeat(np.arange(len(actions)), count)
         actions = [action for action in actions for _ in range(count)]
         seen = Observation(seen.matrix[each], seen.mask[each])
 
-        def moved(skill: str, part: Observation, at: Numbers) -> FloatArray:
-            return self._dynamics[skill].moved(part, k[at])
+        def predict_pose(skill: str, part: Observation, at: Numbers) -> FloatArray:
+            return self._dynamics[skill].predict(part, k[at])
 
-        return situations.at(each).after(self._observer.steps(actions), k, by_skill(actions, seen, moved))
+        return situations.select(each).predict_after(
+            self._observer.steps(actions), k, score_by_skill(actions, seen, predict_pose)
+        )
 
 
-def refined(rollouts: Rollouts, rng: np.random.Generator) -> FloatArray:
+def refine(rollouts: Rollouts, rng: np.random.Generator) -> FloatArray:
     """k of the best rollouts, and draws around them: an iteration of the cross-entropy method, shape (n, runs, L, 4).
 
     The Gaussian of each plan has no covariances, as in STAP; yaw is counted from that of the best rollout, and what is
@@ -113,12 +117,12 @@ def refined(rollouts: Rollouts, rng: np.random.Generator) -> FloatArray:
     order = np.argsort(-rollouts.product, axis=1, kind="stable")[:, :count]
     elite = np.take_along_axis(rollouts.k, order[..., None, None], axis=1)
     offset = elite - elite[:, :1]
-    offset[..., 3] = _wrapped(offset[..., 3])
+    offset[..., 3] = _wrap_angle(offset[..., 3])
     mean, std = offset.mean(axis=1, keepdims=True), offset.std(axis=1, keepdims=True)
     drawn = elite[:, :1] + mean + std * rng.normal(size=(n, runs - count, *elite.shape[2:]))
-    drawn[..., 3] = _wrapped(drawn[..., 3])
+    drawn[..., 3] = _wrap_angle(drawn[..., 3])
     return np.concatenate([elite, drawn], axis=1)
 
 
-def _wrapped(angle: FloatArray) -> FloatArray:
+def _wrap_angle(angle: FloatArray) -> FloatArray:
     return (angle + np.pi) % (2 * np.pi) - np.pi

@@ -8,10 +8,10 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
 from ictamp_drake.observation.situations import Numbers
 from ictamp_drake.observation.state_matrix import Observation
 
-Option = tuple[Configuration, Skeleton]
+ConfiguredPlan = tuple[Configuration, Skeleton]
 
 
-def by_skill(
+def score_by_skill(
     actions: Sequence[Action], seen: Observation, score: Callable[[str, Observation, Numbers], FloatArray]
 ) -> FloatArray:
     """Numbers of all situations, skill by skill.

@@ -15,7 +15,7 @@ import numpy as np
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.estimators.learned import Option, by_skill
+from ictamp_drake.estimators.learned import ConfiguredPlan, score_by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.observation.situations import Numbers
 from ictamp_drake.observation.state_matrix import Observation, Observer
@@ -57,7 +57,7 @@ class PScoreConfig:
         check_all(self.checkpoints or SHIPPED, "estimator")
 
 
-class Beliefs(NamedTuple):
+class EnsembleEstimate(NamedTuple):
     """P and its uncertainty, mean and standard deviation over the ensemble, each of shape (n,)."""
 
     P: FloatArray
@@ -73,17 +73,17 @@ class PScore:
         self._draws = draws
         self._tries = tries
 
-    def estimate(self, options: Sequence[Option]) -> FloatArray:
+    def estimate(self, options: Sequence[ConfiguredPlan]) -> FloatArray:
         """P of each option, shape (n,)."""
-        return self.beliefs(options).P
+        return self.estimate_with_spread(options).P
 
-    def beliefs(self, options: Sequence[Option]) -> Beliefs:
+    def estimate_with_spread(self, options: Sequence[ConfiguredPlan]) -> EnsembleEstimate:
         """P of each option, and how far the members of the ensemble disagree about it."""
         if not options:
-            return Beliefs(np.zeros(0), np.zeros(0))
+            return EnsembleEstimate(np.zeros(0), np.zeros(0))
         steps = [(c, plan.actions[0]) for c, plan in options]
         seen, actions = self._observer.observe_all(steps), [action for _, action in steps]
-        return Beliefs(*by_skill(actions, seen, self._believe).T)
+        return EnsembleEstimate(*score_by_skill(actions, seen, self._believe).T)
 
     def _believe(self, skill: str, part: Observation, _: Numbers) -> FloatArray:
         return self._models[skill].believe(part, self._draws, self._tries).T

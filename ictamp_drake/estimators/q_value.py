@@ -12,8 +12,8 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanParameters
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.estimators.imagination import Imagination, Rollouts, refined
-from ictamp_drake.estimators.learned import Option
+from ictamp_drake.estimators.imagination import Imagination, Rollouts, refine
+from ictamp_drake.estimators.learned import ConfiguredPlan
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.world.world import World
@@ -83,14 +83,14 @@ class QValue:
         self._imagination = imagination
         self._seed = seed
 
-    def estimate(self, options: Sequence[Option]) -> FloatArray:
+    def estimate(self, options: Sequence[ConfiguredPlan]) -> FloatArray:
         """Q of each option, or the product of Q along its plan, shape (n,)."""
         if not options:
             return np.zeros(0)
         product = self._rollouts(options, generator(Stream.EVALUATION, self._seed)).product
         return np.asarray(product.max(axis=1) if self._config.best else product.mean(axis=1))
 
-    def optimised(self, options: Sequence[Option], rng: np.random.Generator) -> list[PlanParameters]:
+    def optimize(self, options: Sequence[ConfiguredPlan], rng: np.random.Generator) -> list[PlanParameters]:
         """The rollout of each plan that has the greatest product of Q."""
         rollouts = self._rollouts(options, rng)
         best = rollouts.product.argmax(axis=1)
@@ -99,8 +99,8 @@ class QValue:
             for number, (run, (_, plan)) in enumerate(zip(best, options, strict=True))
         ]
 
-    def _rollouts(self, options: Sequence[Option], rng: np.random.Generator) -> Rollouts:
+    def _rollouts(self, options: Sequence[ConfiguredPlan], rng: np.random.Generator) -> Rollouts:
         rollouts = self._imagination.run(options, self._config.draws, rng)
         for _ in range(self._config.refinements):
-            rollouts = self._imagination.run(options, self._config.draws, rng, refined(rollouts, rng))
+            rollouts = self._imagination.run(options, self._config.draws, rng, refine(rollouts, rng))
         return rollouts

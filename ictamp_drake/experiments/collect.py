@@ -24,9 +24,9 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.files import make_folder, read_json, write_whole
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.runs.engine import EngineConfig
-from ictamp_drake.runs.folder import check_same, locked
+from ictamp_drake.runs.folder import check_same, lock_folder
 from ictamp_drake.runs.pool import end_with_parent
-from ictamp_drake.runs.progress import clock
+from ictamp_drake.runs.progress import format_clock
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.scenes.levels import parse_selection
 
@@ -75,11 +75,11 @@ def collect(options: Collect, console: Console) -> int:
     options.walk.check()
     options.engine.check()
     make_folder(options.out)
-    with locked(options.out):
+    with lock_folder(options.out):
         _check_same(options)
         shards = Shards(options.out)
         shards.join(scenes)
-        done = shards.done()
+        done = shards.list_done()
         todo = [scene for scene in scenes if scene not in done]
         console.print(f"{options.out}: {len(todo)} scenes to walk through, {len(scenes) - len(todo)} done before")
         broken = _walk_all(options, todo, shards, console) if todo else 0
@@ -120,7 +120,7 @@ def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Co
                 try:
                     progress.add(*future.result())
                 except Exception as error:
-                    attempt = shards.begun(scene)
+                    attempt = shards.read_begun(scene)
                     again = attempt is not None and len(spared[scene]) < _MAX_SPARED
                     spared[scene].append(-1 if attempt is None else attempt)
                     what = f"is walked through again without attempt {attempt}" if again else "is given up"
@@ -159,10 +159,10 @@ class _Progress:
             return
         self._told = now
         elapsed = now - self._start
-        left = clock(elapsed / self.finished * (self._total - self.finished)) if self.finished else "unknown"
+        left = format_clock(elapsed / self.finished * (self._total - self.finished)) if self.finished else "unknown"
         self._console.print(
-            f"{clock(elapsed)}  {self.finished} of {self._total} scenes, {self._attempts} attempts, {self._executed} "
-            f"executed ({60 * self._executed / elapsed:.0f} a minute), time left {left}"
+            f"{format_clock(elapsed)}  {self.finished} of {self._total} scenes, {self._attempts} attempts, "
+            f"{self._executed} executed ({60 * self._executed / elapsed:.0f} a minute), time left {left}"
         )
 
 

@@ -20,11 +20,11 @@ from ictamp_drake.core.files import make_folder, write_whole
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, Kind, load
 from ictamp_drake.learning.dataset import fingerprint
-from ictamp_drake.reports.accuracy import Accuracy, compared
+from ictamp_drake.reports.accuracy import Accuracy, compare_estimators
 from ictamp_drake.reports.accuracy_figures import draw_all
-from ictamp_drake.reports.accuracy_table import as_csv, markdown, report
+from ictamp_drake.reports.accuracy_table import as_csv, format_accuracies, markdown
 from ictamp_drake.reports.contenders import BaseRates, Contender, contenders
-from ictamp_drake.reports.predictions import by_scene, predicted
+from ictamp_drake.reports.predictions import ask_contenders, group_by_scene
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.runs.folder import RUNS
 from ictamp_drake.runs.provenance import provenance
@@ -75,30 +75,30 @@ def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
         IctampError: attempts or checkpoints are missing, or are not fit for this.
     """
     checkpoints = options.checkpoints or SHIPPED
-    configs = contenders(checkpoints, options.base_rate.known(checkpoints), options.plans)
+    configs = contenders(checkpoints, options.base_rate.complete(checkpoints), options.plans)
     accuracies = [_accuracy(options, skill, configs, console) for skill in options.skills]
     folder = options.out or RUNS / f"estimator_accuracy-{datetime.now():%Y%m%d-%H%M%S}"
     make_folder(folder)
     write_whole(folder / "cases.csv", as_csv(accuracies))
     pictures = draw_all(accuracies, folder)
-    write_whole(folder / "table.md", markdown(accuracies, _about(options, checkpoints, typed), pictures))
-    console.print(report(accuracies))
+    write_whole(folder / "table.md", markdown(accuracies, _describe_source(options, checkpoints, typed), pictures))
+    console.print(format_accuracies(accuracies))
     console.print(f"\nTable, cases and pictures: {folder}", soft_wrap=True)
     return COMPLETE
 
 
 def _accuracy(options: EstimatorAccuracy, skill: str, configs: Mapping[str, Contender], console: Console) -> Accuracy:
     cases = read_cases(options.ground_truth, skill, options.least, options.sampler)
-    asked = track(by_scene(cases), f"{skill}, scenes", console=console, transient=True)
-    found = [prediction for group in asked for prediction in predicted(group, configs)]
+    asked = track(group_by_scene(cases), f"{skill}, scenes", console=console, transient=True)
+    found = [prediction for group in asked for prediction in ask_contenders(group, configs)]
     if len(found) < len(cases):
         left = len(cases) - len(found)
         console.print(f"{skill}: {left} of {len(cases)} cases are left out, since their action does not apply in H(c)")
     estimates = np.array([prediction.estimates for prediction in found]).T
-    return compared(skill, [each.case for each in found], dict(zip(configs, estimates, strict=True)))
+    return compare_estimators(skill, [each.case for each in found], dict(zip(configs, estimates, strict=True)))
 
 
-def _about(options: EstimatorAccuracy, checkpoints: Path, typed: str) -> dict[str, Any]:
+def _describe_source(options: EstimatorAccuracy, checkpoints: Path, typed: str) -> dict[str, Any]:
     """Where the figures come from."""
     about: dict[str, Any] = {"command": typed, "ground truth": fingerprint(options.ground_truth)}
     for skill in options.skills:

@@ -14,7 +14,7 @@ from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, problem_files
 from ictamp_drake.scenes.spec import load_scene
-from ictamp_drake.tamp.method import Method, one_of
+from ictamp_drake.tamp.method import Method, describe_choices
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Packing:
         method: how problems are solved.
     """
 
-    level: Annotated[str, one_of(LEVELS)] = "easy"
+    level: Annotated[str, describe_choices(LEVELS)] = "easy"
     problems: str = ":"
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
     method: Annotated[Method, tyro.conf.arg(name="")] = Method()

@@ -19,7 +19,7 @@ from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.files import make_folder, read_json, write_whole
 from ictamp_drake.reports import results_table
-from ictamp_drake.reports.pace import at_equal_pace
+from ictamp_drake.reports.pace import scale_to_equal_pace
 from ictamp_drake.reports.regime import Regime, read_regime
 from ictamp_drake.reports.results_page import Chapter, page
 from ictamp_drake.runs.command import COMPLETE, command
@@ -57,7 +57,7 @@ class Report:
             raise IctampError(f"out is {self.out}, but must end in a name, which the page takes, e.g. docs/results")
 
 
-def report(options: Report, console: Console, typed: str) -> int:
+def write_report(options: Report, console: Console, typed: str) -> int:
     """Read all runs, then write the page, its tables and its pictures; returns the exit code.
 
     Raises:
@@ -65,13 +65,15 @@ def report(options: Report, console: Console, typed: str) -> int:
             search is no record of one, or the folder for the page cannot be written.
     """
     measured, out = _regimes(options.runs), options.out
-    against = _against(options.against, measured)
-    regimes = [_at_equal_pace(regime, against) for regime in measured]
+    against = _choose_reference(options.against, measured)
+    regimes = [_scale_to_equal_pace(regime, against) for regime in measured]
     search = _tree(options.search) if options.search.is_file() else None
     make_folder(out)
     chapters = [_chapter(regime, against, out) for regime in regimes]
     write_figures({"figure_2.png": lambda: gallery(examples())}, out)
-    rows = [row for each in regimes for row in results_table.table_1(each.name, each.runs)] + results_table.published()
+    rows = [
+        row for each in regimes for row in results_table.table_1(each.name, each.runs)
+    ] + results_table.published_rows()
     write_whole(out / "table_1.csv", results_table.as_csv(rows))
     write_whole(out / "table_1.tex", results_table.latex(rows))
     files = {"figure_2": f"{out.name}/figure_2.png"}
@@ -99,8 +101,8 @@ def _chapter(regime: Regime, against: str, out: Path) -> Chapter:
     return Chapter.create(regime, _reference(regime, against), pictures)
 
 
-def _at_equal_pace(regime: Regime, against: str) -> Regime:
-    return replace(regime, runs=at_equal_pace(regime.runs, _reference(regime, against)))
+def _scale_to_equal_pace(regime: Regime, against: str) -> Regime:
+    return replace(regime, runs=scale_to_equal_pace(regime.runs, _reference(regime, against)))
 
 
 def _reference(regime: Regime, against: str) -> str:
@@ -127,7 +129,7 @@ def _regimes(folders: Sequence[Path]) -> list[Regime]:
     return regimes
 
 
-def _against(given: str | None, regimes: Sequence[Regime]) -> str:
+def _choose_reference(given: str | None, regimes: Sequence[Regime]) -> str:
     known = list(dict.fromkeys(name for regime in regimes for name in regime.strategies))
     if given is not None:
         check_choice("against", given, known)
@@ -138,7 +140,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """The program; returns its exit code."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     typed = shlex.join(["python", "-m", NAME, *given])
-    return command(NAME, Report, lambda options, console: report(options, console, typed), "Interrupted.", given)
+    return command(NAME, Report, lambda options, console: write_report(options, console, typed), "Interrupted.", given)
 
 
 if __name__ == "__main__":

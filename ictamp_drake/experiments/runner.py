@@ -22,7 +22,7 @@ from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
 from ictamp_drake.scenes.spec import load_scene
-from ictamp_drake.tamp.method import Method, one_of
+from ictamp_drake.tamp.method import Method, describe_choices
 from ictamp_drake.tamp.task import load
 
 
@@ -40,9 +40,9 @@ class Runner:
         conduct: how the run is carried out.
     """
 
-    regime: Annotated[str, one_of(tuple(REGIMES))] = "paper"
-    strategies: Annotated[tuple[str, ...], one_of(tuple(STRATEGIES))] = ()
-    levels: Annotated[tuple[str, ...], one_of(LEVELS)] = ()
+    regime: Annotated[str, describe_choices(tuple(REGIMES))] = "paper"
+    strategies: Annotated[tuple[str, ...], describe_choices(tuple(STRATEGIES))] = ()
+    levels: Annotated[tuple[str, ...], describe_choices(LEVELS)] = ()
     problems: str = ":"
     scenes: tuple[Path, ...] = ()
     seeds: tuple[int, ...] = (0,)
@@ -71,7 +71,7 @@ def work(options: Runner) -> Work:
         for strategy, seeded in by_strategy.items()
         for method in seeded
     ]
-    strategies = {name: _seedless(seeded[0].decisive) for name, seeded in by_strategy.items()}
+    strategies = {name: _drop_seed(seeded[0].decisive) for name, seeded in by_strategy.items()}
     about = {"program": "runner", "regime": options.regime, "strategies": strategies}
     about["scenes"] = {problem.name: asdict(problem.spec) for problem in scenes}
     return Work(f"runner-{options.regime}", about, jobs, options.conduct)
@@ -102,7 +102,7 @@ def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
     return scenes
 
 
-def _seedless(options: dict[str, object]) -> dict[str, object]:
+def _drop_seed(options: dict[str, object]) -> dict[str, object]:
     return {name: value for name, value in options.items() if name != "seed"}
 
 

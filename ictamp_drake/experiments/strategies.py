@@ -78,7 +78,7 @@ def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Map
         IctampError: no such strategy, or two with the same name.
     """
     shared, usual = REGIMES[regime]
-    named = [_named(strategy) for strategy in strategies or usual]
+    named = [_parse_strategy(strategy) for strategy in strategies or usual]
     check_different("strategies", [name for name, _ in named])
     return {
         name: [tyro.cli(Method, args=[*shlex.split(shared), *options, "--seed", str(seed)]) for seed in seeds]
@@ -86,7 +86,7 @@ def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Map
     }
 
 
-def _named(strategy: str) -> tuple[str, list[str]]:
+def _parse_strategy(strategy: str) -> tuple[str, list[str]]:
     name, defined, options = strategy.partition("=")
     if not (defined and _NAME.fullmatch(name)) and strategy not in STRATEGIES:
         raise IctampError(

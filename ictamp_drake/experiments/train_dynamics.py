@@ -10,10 +10,10 @@ from pathlib import Path
 from ictamp_drake.experiments.trainer import Course, main
 from ictamp_drake.learning.checkpoint import SKILLS, Checkpoint
 from ictamp_drake.learning.dynamics import Dynamics
-from ictamp_drake.learning.evaluation import missed
+from ictamp_drake.learning.evaluation import evaluate_dynamics
 from ictamp_drake.learning.models import arrays_of
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.objectives import Prediction
+from ictamp_drake.learning.objectives import PoseRegression
 from ictamp_drake.learning.training import FitConfig
 
 
@@ -42,14 +42,14 @@ def train(options: TrainDynamics, course: Course) -> bool:
     """Train one skill's dynamics and write its checkpoint; False when it was interrupted."""
     course = replace(course, parts=course.parts.successes())
     dynamics = Dynamics(course.skill, options.network)
-    complete = course.fit("dynamics", Prediction(dynamics), options.fit)
+    complete = course.fit("dynamics", PoseRegression(dynamics), options.fit)
     Checkpoint(
         kind="dynamics",
         skill=course.skill,
         arrays=arrays_of(dynamics),
         network=asdict(options.network),
         provenance=course.about,
-        metrics=missed(dynamics, course.parts.test),
+        metrics=evaluate_dynamics(dynamics, course.parts.test),
     ).save(course.folder)
     return complete
 

@@ -54,7 +54,7 @@ def train(options: TrainEstimator, course: Course) -> bool:
     folder, skill = options.policy or SHIPPED, course.skill
     policy, found = load_skill(folder, skill).policy, load(folder, "policy", skill)
     critic = Classifier(skill, options.network)
-    course = course.with_more(*options.also)
+    course = course.with_added_data(*options.also)
     complete = course.fit("estimator", Classification(critic), options.fit, bootstraps=options.network.members)
     calibrate(critic, course.parts.validation)
     Checkpoint(
@@ -63,12 +63,12 @@ def train(options: TrainEstimator, course: Course) -> bool:
         arrays={**arrays_of(policy, "policy."), **arrays_of(critic, "critic.")},
         network={"policy": found.network["policy"], "critic": asdict(options.network)},
         provenance=course.about,
-        metrics=judged(EstimatorModel(policy, critic), course.parts.test),
+        metrics=evaluate_estimator(EstimatorModel(policy, critic), course.parts.test),
     ).save(course.folder)
     return complete
 
 
-def judged(model: EstimatorModel, test: Batch) -> dict[str, float]:
+def evaluate_estimator(model: EstimatorModel, test: Batch) -> dict[str, float]:
     """Figures of P, which sees no k, on held-out attempts."""
     P, _ = model.believe(Observation(test.matrix.numpy(), test.mask.numpy()), PScoreConfig().draws)
     return metrics(P, test.success.numpy())

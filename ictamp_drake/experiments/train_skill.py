@@ -12,7 +12,7 @@ import numpy as np
 from ictamp_drake.experiments.trainer import Course, main
 from ictamp_drake.learning.checkpoint import SKILLS, Checkpoint
 from ictamp_drake.learning.classifier import Classifier
-from ictamp_drake.learning.evaluation import calibrate, judged
+from ictamp_drake.learning.evaluation import calibrate, evaluate_classifier
 from ictamp_drake.learning.models import SkillModel, arrays_of
 from ictamp_drake.learning.networks import NetworkConfig
 from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining
@@ -54,7 +54,7 @@ def train(options: TrainSkill, course: Course) -> bool:
         return False
     calibrate(critic, course.parts.validation)
     improvement = Improvement(options.policy, critic)
-    complete = replace(course, parts=course.parts.telling()).fit("policy", improvement, options.fit)
+    complete = replace(course, parts=course.parts.select_informative()).fit("policy", improvement, options.fit)
     model = SkillModel(improvement.policy, critic)
     Checkpoint(
         kind="policy",
@@ -62,12 +62,12 @@ def train(options: TrainSkill, course: Course) -> bool:
         arrays={**arrays_of(improvement.policy, "policy."), **arrays_of(critic, "critic.")},
         network={"policy": asdict(options.policy.network), "critic": asdict(options.critic)},
         provenance=course.about,
-        metrics={**judged(critic, course.parts.test), **promised(model, course)},
+        metrics={**evaluate_classifier(critic, course.parts.test), **evaluate_policy(model, course)},
     ).save(course.folder)
     return complete
 
 
-def promised(model: SkillModel, course: Course, count: int = 16) -> dict[str, float]:
+def evaluate_policy(model: SkillModel, course: Course, count: int = 16) -> dict[str, float]:
     """Mean Q in test scenes of one draw, and of the best of several; what the critics say, not what physics does."""
     test = course.parts.test
     observation = Observation(test.matrix.numpy(), test.mask.numpy())

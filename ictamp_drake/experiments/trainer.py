@@ -15,7 +15,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.learning.batches import Split, batch, joined, split
+from ictamp_drake.learning.batches import Split, batch, join_batches, split
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.dataset import Attempts, fingerprint, load
 from ictamp_drake.learning.objectives import Objective
@@ -70,10 +70,10 @@ class Course:
     about: Mapping[str, Any]
     progress: Progress
 
-    def with_more(self, *folders: Path) -> "Course":
+    def with_added_data(self, *folders: Path) -> "Course":
         """The same with all attempts of further folders to learn from."""
         more = [batch(load(folder, self.skill)) for folder in folders]
-        training = joined(self.parts.training, *more)
+        training = join_batches(self.parts.training, *more)
         about = {**self.about, "also": [fingerprint(folder) for folder in folders]}
         return replace(self, parts=self.parts._replace(training=training), about=about)
 
@@ -88,7 +88,7 @@ class Course:
         """
         training = self.parts.training
         if bootstraps > 1:
-            training = training.bootstrapped(bootstraps, generator(Stream.TRAINING, config.seed, bootstraps))
+            training = training.with_bootstrap_weights(bootstraps, generator(Stream.TRAINING, config.seed, bootstraps))
         data = Data(training, self.parts.validation)
         purpose = {key: self.about.get(key) for key in ("options", "data", "also")}
         fit = Fit(objective, data, config, folder=self.folder / self.skill / name, purpose=purpose)
@@ -123,7 +123,7 @@ def main(
         for skill in chosen.skills:
             check_choice("skills", skill, SKILLS)
             console.print(f"{folder}: training {skill}", soft_wrap=True)
-            parts, about = _prepared(chosen, skill, typed)
+            parts, about = _prepare_parts(chosen, skill, typed)
             with _progress(console) as progress:
                 complete = train(chosen, Course(skill, parts, folder, about, progress))
             if not complete:
@@ -135,9 +135,9 @@ def main(
     return command(name, options, act, "Interrupted; the same command with --out goes on.", given)
 
 
-def _prepared(options: Options, skill: str, command: str) -> tuple[Split, dict[str, Any]]:
+def _prepare_parts(options: Options, skill: str, command: str) -> tuple[Split, dict[str, Any]]:
     """The attempts at a skill, and where what is learned from them comes from."""
-    attempts = _selected(load(options.data, skill), options.sampler)
+    attempts = _select_by_sampler(load(options.data, skill), options.sampler)
     start(options.fit.seed)
     plain = json.loads(json.dumps(dataclasses.asdict(options), default=str))  # type: ignore[call-overload]
     kept = {key: value for key, value in plain.items() if key not in ("data", "out", "skills")}
@@ -150,8 +150,8 @@ def _prepared(options: Options, skill: str, command: str) -> tuple[Split, dict[s
     return split(attempts), about
 
 
-def _selected(attempts: Attempts, sampler: str | None) -> Attempts:
-    return attempts if sampler is None else attempts.chosen(attempts.sampler == sampler)
+def _select_by_sampler(attempts: Attempts, sampler: str | None) -> Attempts:
+    return attempts if sampler is None else attempts.select(attempts.sampler == sampler)
 
 
 def _progress(console: Console) -> Progress:

@@ -42,7 +42,7 @@ class Batch:
         """Some of the attempts."""
         return Batch(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
-    def telling(self) -> "Batch":
+    def select_informative(self) -> "Batch":
         """What a policy learns from: all successes, and of a situation that had none one attempt; in the same order.
 
         The attempts at a situation stand one after the other.
@@ -53,7 +53,7 @@ class Batch:
         wins = torch.zeros(int(first.sum())).index_add_(0, situation, self.success)
         return self.rows((self.success > 0) | (first & (wins[situation] == 0)))
 
-    def bootstrapped(self, members: int, rng: np.random.Generator) -> "Batch":
+    def with_bootstrap_weights(self, members: int, rng: np.random.Generator) -> "Batch":
         """Each member of an ensemble sees a sample of its own, drawn with replacement (Poisson's approximation)."""
         weight = torch.from_numpy(rng.poisson(1.0, (len(self), members)).astype(np.float32))
         return replace(self, weight=weight)
@@ -70,12 +70,12 @@ class Split(NamedTuple):
         """Without the failures."""
         return Split(*(part.rows(part.success > 0) for part in self))
 
-    def telling(self) -> "Split":
+    def select_informative(self) -> "Split":
         """What a policy learns from."""
-        return Split(*(part.telling() for part in self))
+        return Split(*(part.select_informative() for part in self))
 
 
-def joined(*batches: Batch) -> Batch:
+def join_batches(*batches: Batch) -> Batch:
     """All attempts of several batches."""
     return Batch(**{field.name: torch.cat([getattr(one, field.name) for one in batches]) for field in fields(Batch)})
 
@@ -94,7 +94,7 @@ def split(attempts: Attempts) -> Split:
     }
     parts = {}
     for name, (low, high) in bounds.items():
-        part = attempts.chosen((place >= low) & (place < high))
+        part = attempts.select((place >= low) & (place < high))
         wins = int(part.success.sum())
         if wins in (0, len(part)):
             raise IctampError(

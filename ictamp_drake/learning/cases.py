@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray
-from ictamp_drake.learning.dataset import action, configuration, opened
+from ictamp_drake.learning.dataset import action, configuration, open_table
 
 _CASE = ("scene", "state", "action", "box", "place")
 _START = ("spec", "q", "poses", "held", "gripper")
@@ -78,7 +78,7 @@ def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None)
     Raises:
         IctampError: no attempts, too few of them, or all with the same outcome or in one scene.
     """
-    groups = _grouped(folder, skill, sampler)
+    groups = _group_rows(folder, skill, sampler)
     cases = [_case(rows[:least]) for _, rows in sorted(groups.items()) if len(rows) >= least]
     if not cases:
         most = max(map(len, groups.values()), default=0)
@@ -90,12 +90,12 @@ def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None)
     return cases
 
 
-def _grouped(folder: Path, skill: str, sampler: str | None) -> dict[tuple[Any, ...], list[dict[str, Any]]]:
+def _group_rows(folder: Path, skill: str, sampler: str | None) -> dict[tuple[Any, ...], list[dict[str, Any]]]:
     """Rows of each case in the order of the draws."""
     wanted = pads.field("action").cast(pa.string()) == skill
     if sampler is not None:
         wanted &= pads.field("sampler").cast(pa.string()) == sampler
-    table = opened(folder).to_table(columns=[*_CASE, *_START, "draw", "failure"], filter=wanted)
+    table = open_table(folder).to_table(columns=[*_CASE, *_START, "draw", "failure"], filter=wanted)
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]).to_pylist():
         groups.setdefault(tuple(row[name] for name in _CASE), []).append(row)
@@ -122,7 +122,7 @@ def _check(folder: Path, skill: str, cases: Sequence[Case]) -> None:
         )
 
 
-def counted(cases: Sequence[Case]) -> Counts:
+def count_outcomes(cases: Sequence[Case]) -> Counts:
     """All executions of the cases."""
     return _counts(cases, [case.outcomes for case in cases])
 

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.parameters import FEATURES, SEEN, with_k
+from ictamp_drake.learning.parameters import FEATURES, SEEN, network_inputs
 from ictamp_drake.observation.state_matrix import SCHEMA
 
 
@@ -43,7 +43,7 @@ class Classifier(nn.Module):
         Returns:
             Shape (members, n).
         """
-        rows, extra = with_k(self.skill, matrix, k)
+        rows, extra = network_inputs(self.skill, matrix, k)
         return self.network(rows, mask, extra)[..., 0]
 
     def probabilities(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
@@ -53,26 +53,26 @@ class Classifier(nn.Module):
 
     def belief(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Belief:
         """Of the ensemble, shape (n,)."""
-        return _over_members(self.probabilities(matrix, mask, k))
+        return _summarize_members(self.probabilities(matrix, mask, k))
 
     def beliefs(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Belief:
         """The same for several k in each situation, shape (n, m, 4) -> (n, m)."""
-        return _over_members(self._of_several(matrix, mask, k))
+        return _summarize_members(self._probabilities_of_several(matrix, mask, k))
 
-    def expected(self, matrix: Tensor, mask: Tensor, k: Tensor, tries: int = 1) -> Belief:
+    def probability_of_any(self, matrix: Tensor, mask: Tensor, k: Tensor, tries: int = 1) -> Belief:
         """That one of so many draws from equally likely k succeeds, shape (n, m, 4) -> (n,).
 
         A member knows for certain how likely a draw is to succeed, so to each of them draws are independent.
         """
-        one = self._of_several(matrix, mask, k).mean(dim=-1)
-        return _over_members(1 - (1 - one) ** tries)
+        one = self._probabilities_of_several(matrix, mask, k).mean(dim=-1)
+        return _summarize_members(1 - (1 - one) ** tries)
 
-    def _of_several(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
+    def _probabilities_of_several(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
         """Of each member, shape (members, n, m)."""
         count = k.shape[1]
         several = matrix.repeat_interleave(count, 0), mask.repeat_interleave(count, 0), k.flatten(0, 1)
         return self.probabilities(*several).reshape(-1, len(k), count)
 
 
-def _over_members(probability: Tensor) -> Belief:
+def _summarize_members(probability: Tensor) -> Belief:
     return Belief(probability.mean(dim=0), probability.std(dim=0, correction=0))

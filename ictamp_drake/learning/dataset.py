@@ -59,7 +59,7 @@ FIELDS = pa.schema(
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class AttemptRow:
     """One attempt, before it is written.
 
     Attributes:
@@ -109,7 +109,7 @@ STAGES = ("sampling", "motion", "physics")
 """Of an attempt, whose computing times are recorded."""
 
 
-def write(rows: Sequence[Row], path: Path) -> None:
+def write(rows: Sequence[AttemptRow], path: Path) -> None:
     """Write rows to a file that appears whole or not at all."""
     columns = {name: [row[name] for row in (each.values() for each in rows)] for name in FIELDS.names}
     _write(pa.table(columns, schema=FIELDS), path)
@@ -135,7 +135,7 @@ def _write(table: pa.Table, path: Path) -> None:
         )
 
 
-def opened(folder: Path) -> pads.Dataset:
+def open_table(folder: Path) -> pads.Dataset:
     """The table of a folder, of which nothing is read yet; columns and rows can be chosen by pyarrow's means.
 
     Raises:
@@ -155,13 +155,13 @@ def scene_text(spec: SceneSpec) -> str:
 @lru_cache(maxsize=256)
 def scene(text: str) -> SceneSpec:
     """The scene of a row."""
-    raw = json.loads(text, object_hook=_with_tuples)
+    raw = json.loads(text, object_hook=_to_tuples)
     supports = {name: SupportSpec(**support) for name, support in raw.pop("supports").items()}
     boxes = {name: BoxSpec(**box) for name, box in raw.pop("boxes").items()}
     return SceneSpec(arm=ArmSpec(**raw.pop("arm")), supports=supports, boxes=boxes, **raw)
 
 
-def _with_tuples(values: dict[str, Any]) -> dict[str, Any]:
+def _to_tuples(values: dict[str, Any]) -> dict[str, Any]:
     return {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
 
 
@@ -212,7 +212,7 @@ class Attempts:
     def __len__(self) -> int:
         return len(self.k)
 
-    def chosen(self, rows: NDArray[Any]) -> "Attempts":
+    def select(self, rows: NDArray[Any]) -> "Attempts":
         """Some of the attempts, by a mask or by their numbers."""
         return Attempts(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
@@ -230,7 +230,7 @@ def load(folder: Path, skill: str | None = None) -> Attempts:
     wanted = pads.field("k").is_valid()
     if skill is not None:
         wanted &= pads.field("action").cast(pa.string()) == skill
-    parts = [_attempts(batch) for batch in opened(folder).to_batches(filter=wanted) if batch.num_rows]
+    parts = [_attempts(batch) for batch in open_table(folder).to_batches(filter=wanted) if batch.num_rows]
     if not parts:
         return _attempts(pa.RecordBatch.from_pylist([], schema=FIELDS))
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Attempts)}
@@ -238,7 +238,7 @@ def load(folder: Path, skill: str | None = None) -> Attempts:
 
 
 def _attempts(batch: pa.RecordBatch) -> Attempts:
-    observation, moved = _observed(batch)
+    observation, moved = _observe(batch)
     failure = batch["failure"].cast(pa.string())
     return Attempts(
         *observation,
@@ -258,10 +258,10 @@ def _words(column: pa.Array) -> NDArray[np.str_]:
     return np.array(column.cast(pa.string()).fill_null("").to_pylist(), dtype=np.str_)
 
 
-def _observed(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
+def _observe(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
     """The matrices of the rows, which are sorted by scene, and where their boxes went."""
     rows = batch.select(["spec", "q", "poses", "held", "gripper", "action", "box", "place", "moved"]).to_pylist()
-    seen = [_of_scene(list(group)) for _, group in groupby(rows, key=itemgetter("spec"))]
+    seen = [_observe_scene(list(group)) for _, group in groupby(rows, key=itemgetter("spec"))]
     if not seen:
         nothing = np.zeros((0, ROWS, SCHEMA.width), np.float32)
         return Observation(nothing, np.zeros((0, ROWS), bool)), np.zeros((0, 4), np.float32)
@@ -269,11 +269,11 @@ def _observed(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
     return Observation(matrix, mask), moved
 
 
-def _of_scene(rows: Sequence[Mapping[str, Any]]) -> tuple[NDArray[Any], ...]:
+def _observe_scene(rows: Sequence[Mapping[str, Any]]) -> tuple[NDArray[Any], ...]:
     """Matrices, masks and where the boxes went, of rows of one scene."""
     watching, options = observer(rows[0]["spec"]), [(configuration(row), action(row)) for row in rows]
     X_WO = np.array([row["moved"] or [np.nan] * 7 for row in rows])
-    return *watching.observe_all(options), watching.moved(options, X_WO).astype(np.float32)
+    return *watching.observe_all(options), watching.measure_moved_box(options, X_WO).astype(np.float32)
 
 
 @lru_cache(maxsize=256)
@@ -286,6 +286,6 @@ def fingerprint(folder: Path) -> str:
     """Short hash of the attempts in a folder, the same in whatever files they lie."""
     import hashlib  # noqa: PLC0415
 
-    table = opened(folder).to_table(columns=["scene", "state", "draw", "executed", "failure", "k"])
+    table = open_table(folder).to_table(columns=["scene", "state", "draw", "executed", "failure", "k"])
     table = table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")])
     return hashlib.sha256(json.dumps(table.to_pylist()).encode()).hexdigest()[:16]

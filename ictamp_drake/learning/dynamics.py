@@ -51,7 +51,7 @@ class Dynamics(nn.Module):
         Returns:
             Shape (n, 4) [m, rad].
         """
-        rows, extra = parameters.with_k(self.skill, matrix, k)
+        rows, extra = parameters.network_inputs(self.skill, matrix, k)
         x, y, z, yaw = (self.network(rows, mask, extra).mean(dim=0) * self.scales).unbind(-1)
         cos, sin = k[:, 3].cos(), k[:, 3].sin()
         residual = torch.stack([cos * x - sin * y, sin * x + cos * y, z, yaw], dim=-1)
@@ -60,4 +60,4 @@ class Dynamics(nn.Module):
 
 def error(found: Tensor, moved: Tensor) -> Tensor:
     """Difference of two poses (x, y, z, yaw), shape (n, 4) [m, rad]."""
-    return torch.cat([(found - moved)[:, :3], parameters.wrapped((found - moved)[:, 3:])], dim=-1)
+    return torch.cat([(found - moved)[:, :3], parameters.wrap_angle((found - moved)[:, 3:])], dim=-1)

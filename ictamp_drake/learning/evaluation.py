@@ -18,14 +18,14 @@ def calibrate(classifier: Classifier, batch: Batch) -> None:
     classifier.platt.copy_(torch.tensor([slope, offset]))
 
 
-def judged(classifier: Classifier, batch: Batch) -> dict[str, float]:
+def evaluate_classifier(classifier: Classifier, batch: Batch) -> dict[str, float]:
     """Figures of `metrics` on held-out attempts."""
     with torch.inference_mode():
         P = classifier.belief(batch.matrix, batch.mask, batch.k).mean.numpy().astype(np.float64)
     return metrics(P, _outcomes(batch))
 
 
-def missed(dynamics: Dynamics, batch: Batch) -> dict[str, float]:
+def evaluate_dynamics(dynamics: Dynamics, batch: Batch) -> dict[str, float]:
     """How far boxes of held-out successes are from where dynamics put them, and from where kinematics alone do.
 
     Returns:

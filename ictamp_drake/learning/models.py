@@ -63,12 +63,12 @@ class EstimatorModel:
         Args:
             observation: the situations.
             draws: k that the mean is taken over, see `Mixture.spread`.
-            tries: k that a step draws at most, see `Classifier.expected`.
+            tries: k that a step draws at most, see `Classifier.probability_of_any`.
         """
         matrix, mask = tensors(observation)
         with torch.inference_mode():
             k = parameter(self.critic.skill, matrix, self.policy.spread(matrix, mask, draws))
-            belief = self.critic.expected(matrix, mask, k, tries)
+            belief = self.critic.probability_of_any(matrix, mask, k, tries)
         return torch.stack(belief).numpy().astype(np.float64)
 
 
@@ -78,7 +78,7 @@ class DynamicsModel:
 
     dynamics: Dynamics
 
-    def moved(self, observation: Observation, k: FloatArray) -> FloatArray:
+    def predict(self, observation: Observation, k: FloatArray) -> FloatArray:
         """(x, y, z, yaw) of U of the action's box in the target frame after a success, (n, 4) -> (n, 4) [m, rad]."""
         with torch.inference_mode():
             moved = self.dynamics(*tensors(observation), torch.from_numpy(k.astype(np.float32)))
@@ -117,19 +117,19 @@ def _version(path: Path) -> tuple[int, ...]:
 
 
 def _policy_and_critic(folder: Path, kind: Kind, skill: str) -> tuple[Policy, Classifier]:
-    return _loaded(folder, kind, skill, _version(folder / name_of(kind, skill)))
+    return _load_cached(folder, kind, skill, _version(folder / name_of(kind, skill)))
 
 
 @lru_cache(maxsize=16)
-def _loaded(folder: Path, kind: Kind, skill: str, _: tuple[int, ...]) -> tuple[Policy, Classifier]:
+def _load_cached(folder: Path, kind: Kind, skill: str, _: tuple[int, ...]) -> tuple[Policy, Classifier]:
     """Read once by each process; a file that has changed is read again."""
     torch.set_num_threads(1)  # small networks are fastest so
     found = load(folder, kind, skill)
     path = folder / name_of(kind, skill)
-    with _described(path):
+    with _explain_errors(path):
         policy = policy_network(found.network["policy"]).create(skill)
         critic = Classifier(skill, NetworkConfig(**found.network["critic"]))
-    return _filled(policy, found.arrays, "policy.", path), _filled(critic, found.arrays, "critic.", path)
+    return _fill_module(policy, found.arrays, "policy.", path), _fill_module(critic, found.arrays, "critic.", path)
 
 
 def load_dynamics(folder: Path, skill: str) -> DynamicsModel:
@@ -138,17 +138,17 @@ def load_dynamics(folder: Path, skill: str) -> DynamicsModel:
     Raises:
         IctampError: see `checkpoint.load`.
     """
-    return _loaded_dynamics(folder, skill, _version(folder / name_of("dynamics", skill)))
+    return _load_dynamics_cached(folder, skill, _version(folder / name_of("dynamics", skill)))
 
 
 @lru_cache(maxsize=16)
-def _loaded_dynamics(folder: Path, skill: str, _: tuple[int, ...]) -> DynamicsModel:
+def _load_dynamics_cached(folder: Path, skill: str, _: tuple[int, ...]) -> DynamicsModel:
     torch.set_num_threads(1)
     found = load(folder, "dynamics", skill)
     path = folder / name_of("dynamics", skill)
-    with _described(path):
+    with _explain_errors(path):
         dynamics = Dynamics(skill, NetworkConfig(**found.network))
-    return DynamicsModel(_filled(dynamics, found.arrays, "", path))
+    return DynamicsModel(_fill_module(dynamics, found.arrays, "", path))
 
 
 def policy_network(values: Mapping[str, Any]) -> PolicyNetworkConfig:
@@ -162,14 +162,14 @@ def arrays_of(module: nn.Module, prefix: str = "") -> dict[str, NDArray[Any]]:
 
 
 @contextmanager
-def _described(path: Path) -> Iterator[None]:
+def _explain_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except (KeyError, TypeError) as error:
         raise IctampError(f"{path}: does not describe networks of this package ({error})") from error
 
 
-def _filled(module: Module, arrays: Arrays, prefix: str, path: Path) -> Module:
+def _fill_module(module: Module, arrays: Arrays, prefix: str, path: Path) -> Module:
     state = {
         name.removeprefix(prefix): torch.from_numpy(array) for name, array in arrays.items() if name.startswith(prefix)
     }

@@ -12,7 +12,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dynamics import Dynamics, error
-from ictamp_drake.learning.parameters import normalised, parameter
+from ictamp_drake.learning.parameters import normalize_parameter, parameter
 from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
 
 
@@ -52,7 +52,7 @@ class Classification:
         return {"loss": nn.functional.binary_cross_entropy(P, batch.success).item()}
 
 
-class Prediction:
+class PoseRegression:
     """Error of dynamics in units of its scales, with little weight on the few boxes that went quite elsewhere.
 
     All attempts must be successes.
@@ -144,7 +144,7 @@ class Improvement:
         loss = (weight * (temperature * log_density - value)).sum(dim=-1).mean()
         wins = batch.success > 0
         if config.imitation and wins.any():
-            shown = normalised(skill, matrix[wins], batch.k[wins])[:, None]
+            shown = normalize_parameter(skill, matrix[wins], batch.k[wins])[:, None]
             likelihood = self.policy.log_density(matrix[wins], mask[wins], shown)
             loss = loss - config.imitation * likelihood.mean() / 4
         return loss, (weight * log_density).sum(dim=-1)

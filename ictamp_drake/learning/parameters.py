@@ -42,23 +42,23 @@ def ranges(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
     return middle, half
 
 
-def normalised(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
+def normalize_parameter(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     """u of k, shape (n, ..., 4) -> (n, ..., 4)."""
-    middle, half = _aligned(skill, matrix, k)
+    middle, half = _align(skill, matrix, k)
     return torch.cat([(k[..., :3] - middle) / half, k[..., 3:]], dim=-1)
 
 
 def parameter(skill: str, matrix: Tensor, u: Tensor) -> Tensor:
     """k of u, shape (n, ..., 4) -> (n, ..., 4)."""
-    middle, half = _aligned(skill, matrix, u)
-    return torch.cat([u[..., :3] * half + middle, wrapped(u[..., 3:])], dim=-1)
+    middle, half = _align(skill, matrix, u)
+    return torch.cat([u[..., :3] * half + middle, wrap_angle(u[..., 3:])], dim=-1)
 
 
-def _aligned(skill: str, matrix: Tensor, like: Tensor) -> list[Tensor]:
+def _align(skill: str, matrix: Tensor, like: Tensor) -> list[Tensor]:
     return [each.reshape(len(matrix), *[1] * (like.dim() - 2), 3) for each in ranges(skill, matrix)]
 
 
-def wrapped(angle: Tensor) -> Tensor:
+def wrap_angle(angle: Tensor) -> Tensor:
     """The same angle in [-π, π)."""
     return torch.remainder(angle + math.pi, 2 * math.pi) - math.pi
 
@@ -102,12 +102,12 @@ def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     """Of G: position in B, horizontal distance from the base, and heading against the way to it, shape (n, 6)."""
     row = matrix[:, 0 if skill == "pick" else 2]
     hand = _hand(skill, matrix)
-    p_K = _turned(hand.position, k[:, 3]) + k[:, :3]
+    p_K = _turn_about_z(hand.position, k[:, 3]) + k[:, :3]
     if skill == "place":
         p_K = p_K + sides(row) / 2 * p_K.new_tensor([0.0, 0.0, 1.0])  # from the receptacle's top to its middle
     R_BK, p_BK = axes(row[:, _BASE]), row[:, _BASE][:, :3] * _BASE_SCALE
     p_B = p_BK + _times(R_BK, p_K)
-    heading = _times(R_BK, _turned(hand.heading, k[:, 3]))
+    heading = _times(R_BK, _turn_about_z(hand.heading, k[:, 3]))
     distance = p_B[:, :2].norm(dim=-1, keepdim=True)
     x, y = (p_B[:, :2] / distance.clamp(min=0.05)).T
     direction = [x * heading[:, 0] + y * heading[:, 1], x * heading[:, 1] - y * heading[:, 0]]
@@ -137,7 +137,7 @@ def _times(R: Tensor, vectors: Tensor) -> Tensor:
     return (R * vectors[:, None]).sum(dim=-1)
 
 
-def _turned(vectors: Tensor, yaw: Tensor) -> Tensor:
+def _turn_about_z(vectors: Tensor, yaw: Tensor) -> Tensor:
     """Vectors, shape (n, 3), turned about z by angles of shape (n,)."""
     (x, y, z), cos, sin = vectors.T, yaw.cos(), yaw.sin()
     return torch.stack([cos * x - sin * y, sin * x + cos * y, z], dim=-1)
@@ -154,12 +154,12 @@ def axes(pose: Tensor) -> Tensor:
     return torch.stack([x, y, torch.linalg.cross(x, y)], dim=-1)
 
 
-def with_k(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
+def network_inputs(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
     """What a network is given that sees k too: rows, (n, 8, D + SEEN), and numbers of k itself, (n, FEATURES)."""
-    return torch.cat([matrix, seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
+    return torch.cat([matrix, objects_seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
 
 
-def glimpses(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
+def blind_network_inputs(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
     """What a network is given that sees no k: the matrix, and what there is to see from the middle of the target.
 
     With the hand along the target and across it; rows, (n, 8, D + 2 SEEN), and numbers, (n, 2 FEATURES).
@@ -168,11 +168,11 @@ def glimpses(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
     yaw = torch.arange(GLIMPSES) * math.pi / GLIMPSES
     k = torch.cat([matrix.new_zeros(GLIMPSES, 3), yaw[:, None]], dim=-1).repeat(count, 1)
     several = matrix.repeat_interleave(GLIMPSES, 0)
-    seen = seen_from(skill, several, k).reshape(count, GLIMPSES, ROWS, SEEN).transpose(1, 2).flatten(2)
+    seen = objects_seen_from(skill, several, k).reshape(count, GLIMPSES, ROWS, SEEN).transpose(1, 2).flatten(2)
     return torch.cat([matrix, seen], dim=-1), features(skill, several, k).reshape(count, -1)
 
 
-def seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
+def objects_seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     """All objects as seen from k, shape (n, 8, D), (n, 4) -> (n, 8, 16).
 
     Pose in the frame at k's position that is turned by its yaw; the distance of that position from each pair of the
@@ -187,12 +187,12 @@ def seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     position, heading, _ = turned = torch.stack([cos * along + sin * across, cos * across - sin * along, up], dim=1)
     objects = Blocks(position, heading[:2], half)
     hand = _hand(skill, matrix)
-    apart = clearances(hand.position.T, hand.heading.T[:2], _moved(skill, objects), objects)
+    apart = clearances(hand.position.T, hand.heading.T[:2], _moved_box(skill, objects), objects)
     parts = [position / _DISTANCE, turned[1:].flatten(0, 1), _fine(p_O.abs() - half, 0.01), _fine(apart, 0.005)]
     return torch.cat(parts).movedim(0, -1)
 
 
-def _moved(skill: str, objects: Blocks) -> Blocks:
+def _moved_box(skill: str, objects: Blocks) -> Blocks:
     """The box that the action moves: where it stands (pick), or at k, the middle of its bottom face (place)."""
     if skill == "pick":
         return Blocks(*(each[..., 0] for each in objects))

@@ -11,7 +11,7 @@ from torch.nn.functional import softplus
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.parameters import FEATURES, GLIMPSES, SEEN, glimpses, wrapped
+from ictamp_drake.learning.parameters import FEATURES, GLIMPSES, SEEN, blind_network_inputs, wrap_angle
 from ictamp_drake.observation.state_matrix import SCHEMA
 
 
@@ -66,7 +66,7 @@ class Mixture(nn.Module):
 
     def _numbers(self, matrix: Tensor, mask: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Logarithm of the weight (n, c), mean (n, c, 4) and standard deviation (n, c, 4) of each component."""
-        rows, extra = glimpses(self.skill, matrix)
+        rows, extra = blind_network_inputs(self.skill, matrix)
         raw = self.network(rows, mask, extra)[0].reshape(len(matrix), -1, 10)
         yaw = torch.atan2(raw[..., 4:5], raw[..., 5:6] + 1e-6)
         low, high = self.log_std
@@ -76,7 +76,7 @@ class Mixture(nn.Module):
     def branches(self, matrix: Tensor, mask: Tensor, generator: torch.Generator) -> Branches:
         """One draw from each component."""
         log_weight, mean, std = numbers = self._numbers(matrix, mask)
-        u = _turned(mean + std * torch.randn(mean.shape, generator=generator))
+        u = _wrap_yaw(mean + std * torch.randn(mean.shape, generator=generator))
         return Branches(u, _log_density(numbers, u), log_weight.exp())
 
     def log_density(self, matrix: Tensor, mask: Tensor, u: Tensor) -> Tensor:
@@ -89,34 +89,34 @@ class Mixture(nn.Module):
         chosen = torch.multinomial(log_weight.exp(), count, replacement=True, generator=generator)[..., None]
         chosen = chosen.expand(-1, -1, 4)
         noise = torch.randn(chosen.shape, generator=generator)
-        return _turned(mean.gather(1, chosen) + std.gather(1, chosen) * noise)
+        return _wrap_yaw(mean.gather(1, chosen) + std.gather(1, chosen) * noise)
 
     def spread(self, matrix: Tensor, mask: Tensor, count: int) -> Tensor:
         """u that stand for the whole distribution, always the same ones, shape (n, count, 4)."""
         log_weight, mean, std = self._numbers(matrix, mask)
-        points = _evenly(count, 5)
+        points = _even_points(count, 5)
         cumulated = log_weight.exp().cumsum(dim=1)
         heights = points[:, 0] * cumulated[:, -1:]
         chosen = torch.searchsorted(cumulated, heights)[..., None].expand(-1, -1, 4)
-        return _turned(mean.gather(1, chosen) + std.gather(1, chosen) * torch.special.ndtri(points[:, 1:]))
+        return _wrap_yaw(mean.gather(1, chosen) + std.gather(1, chosen) * torch.special.ndtri(points[:, 1:]))
 
 
 @lru_cache
-def _evenly(count: int, dimensions: int) -> Tensor:
+def _even_points(count: int, dimensions: int) -> Tensor:
     """Points spread evenly over the unit cube, its faces excluded, shape (count, dimensions)."""
     engine = torch.quasirandom.SobolEngine(dimensions, scramble=True, seed=0)  # type: ignore[no-untyped-call]
     return engine.draw(count).clamp(1e-6, 1 - 1e-6)
 
 
-def _turned(u: Tensor) -> Tensor:
-    return torch.cat([u[..., :3], wrapped(u[..., 3:])], dim=-1)
+def _wrap_yaw(u: Tensor) -> Tensor:
+    return torch.cat([u[..., :3], wrap_angle(u[..., 3:])], dim=-1)
 
 
 def _log_density(numbers: tuple[Tensor, Tensor, Tensor], u: Tensor) -> Tensor:
     """Of a mixture at u, shape (n, m, 4) -> (n, m); yaw a turn away counts too, which is enough for narrow ones."""
     log_weight, mean, std = (each[:, None] for each in numbers)
     error = (u[:, :, None] - mean) / std
-    turns = (wrapped(u[:, :, None, 3:] - mean[..., 3:]) + 2 * math.pi * torch.arange(-1, 2)) / std[..., 3:]
+    turns = (wrap_angle(u[:, :, None, 3:] - mean[..., 3:]) + 2 * math.pi * torch.arange(-1, 2)) / std[..., 3:]
     yaw = torch.logsumexp(-(turns**2) / 2, dim=-1)
     log_normal = yaw - (error[..., :3] ** 2).sum(dim=-1) / 2 - std.log().sum(dim=-1) - 2 * math.log(2 * math.pi)
     return torch.logsumexp(log_weight + log_normal, dim=-1)
@@ -164,7 +164,7 @@ class Squashed(nn.Module):
     def spread(self, matrix: Tensor, mask: Tensor, count: int) -> Tensor:
         """u that stand for the whole distribution, see `Mixture.spread`."""
         mean, std = self._numbers(matrix, mask)
-        return self.scale * (mean + std * torch.special.ndtri(_evenly(count, 4))).tanh()
+        return self.scale * (mean + std * torch.special.ndtri(_even_points(count, 4))).tanh()
 
 
 Policy = Mixture | Squashed

@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from ictamp_drake.learning.batches import Batch
-from ictamp_drake.learning.parameters import wrapped
+from ictamp_drake.learning.parameters import wrap_angle
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA
 
 _BASE, _TARGET, _HAND = (SCHEMA.group(name) for name in ("base", "target", "hand"))
@@ -19,10 +19,10 @@ _SIDES = (SCHEMA.group("box"), SCHEMA.group("support"))
 _QUARTER = torch.pi / 2
 
 
-def varied(skill: str, batch: Batch, generator: torch.Generator) -> Batch:
+def vary_description(skill: str, batch: Batch, generator: torch.Generator) -> Batch:
     """Another description of each attempt at a skill, drawn at random."""
-    batch = turned(skill, batch, torch.randint(4, (len(batch), ROWS), generator=generator))
-    image = mirrored(batch)
+    batch = turn_frames(skill, batch, torch.randint(4, (len(batch), ROWS), generator=generator))
+    image = mirror(batch)
     flipped = torch.rand((len(batch), 1), generator=generator) < 0.5
     return replace(
         batch,
@@ -32,7 +32,7 @@ def varied(skill: str, batch: Batch, generator: torch.Generator) -> Batch:
     )
 
 
-def turned(skill: str, batch: Batch, turns: Tensor) -> Batch:
+def turn_frames(skill: str, batch: Batch, turns: Tensor) -> Batch:
     """The frames of all objects turned about their z axes by so many quarter turns, shape (n, 8)."""
     matrix, angle = batch.matrix.clone(), turns * _QUARTER
     for group in (_BASE, _TARGET, _HAND):
@@ -43,16 +43,16 @@ def turned(skill: str, batch: Batch, turns: Tensor) -> Batch:
     for sides in _SIDES:
         matrix[..., sides] = torch.where(odd, matrix[..., sides][..., [1, 0, 2]], matrix[..., sides])
     target = angle[:, 0 if skill == "pick" else 2]
-    seen = [_about_z(vectors, -target[:, None]) for vectors in _split(matrix[..., _TARGET])]
+    seen = [_turn_about_z(vectors, -target[:, None]) for vectors in _split(matrix[..., _TARGET])]
     matrix[..., _TARGET] = torch.cat(seen, dim=-1)
     held = angle[:, 1]
     of_k, of_moved = (-target, 0.0 * target) if skill == "pick" else (held - target, held - target)
     return replace(
-        batch, matrix=matrix, k=_placed(batch.k, -target, of_k), moved=_placed(batch.moved, -target, of_moved)
+        batch, matrix=matrix, k=_turn_poses(batch.k, -target, of_k), moved=_turn_poses(batch.moved, -target, of_moved)
     )
 
 
-def mirrored(batch: Batch) -> Batch:
+def mirror(batch: Batch) -> Batch:
     """The mirror image in the vertical plane through the arm's base that its x axis lies in."""
     signs = batch.matrix.new_ones(SCHEMA.width)
     for group in (_BASE, _TARGET, _HAND):
@@ -66,12 +66,12 @@ def _split(pose: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     return pose[..., :3], pose[..., 3:6], pose[..., 6:]
 
 
-def _placed(pose: Tensor, about: Tensor, turn: Tensor) -> Tensor:
+def _turn_poses(pose: Tensor, about: Tensor, turn: Tensor) -> Tensor:
     """Poses (x, y, z, yaw), shape (n, 4), whose positions are turned about z, and whose yaw is by another angle."""
-    return torch.cat([_about_z(pose[:, :3], about), wrapped(pose[:, 3:] + turn[:, None])], dim=-1)
+    return torch.cat([_turn_about_z(pose[:, :3], about), wrap_angle(pose[:, 3:] + turn[:, None])], dim=-1)
 
 
-def _about_z(vectors: Tensor, angle: Tensor) -> Tensor:
+def _turn_about_z(vectors: Tensor, angle: Tensor) -> Tensor:
     """Vectors, shape (..., 3), turned about z by angles of shape (...)."""
     x, y, z = vectors.unbind(-1)
     cos, sin = angle.cos(), angle.sin()

@@ -16,7 +16,7 @@ from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import read, write
 from ictamp_drake.learning.objectives import Objective
-from ictamp_drake.learning.symmetry import varied
+from ictamp_drake.learning.symmetry import vary_description
 
 STATE = "state.safetensors"
 LOG = "epochs.jsonl"
@@ -60,7 +60,7 @@ class FitConfig:
         check_range("fit.seed", self.seed, 0, 2**63 - 1)
 
 
-def seeded(seed: int, *keys: int) -> torch.Generator:
+def seeded_generator(seed: int, *keys: int) -> torch.Generator:
     """A generator of torch for the training stream."""
     number = generator(Stream.TRAINING, seed, *keys).integers(2**63)
     return torch.Generator().manual_seed(int(number))
@@ -91,8 +91,8 @@ class Fit:
         self._config, self._folder = config, folder
         self._purpose = json.loads(json.dumps({**purpose, "fit": asdict(config)}, default=str))
         weights = objective.module.parameters()
-        self._optimiser = torch.optim.AdamW(weights, config.rate, weight_decay=config.decay)
-        self._best = _copied(objective.module.state_dict())
+        self._optimizer = torch.optim.AdamW(weights, config.rate, weight_decay=config.decay)
+        self._best = _copy_state(objective.module.state_dict())
 
     @property
     def best_epoch(self) -> int:
@@ -125,39 +125,39 @@ class Fit:
 
     def _epoch(self) -> None:
         config, number, module = self._config, len(self.history), self._objective.module
-        noise = seeded(config.seed, number)
-        for group in self._optimiser.param_groups:
+        noise = seeded_generator(config.seed, number)
+        for group in self._optimizer.param_groups:
             group["lr"] = config.rate * (1 + np.cos(np.pi * number / config.epochs)) / 2
         module.train()
         losses = []
         for rows in torch.split(torch.randperm(len(self._data.training), generator=noise), config.batch):
             batch = self._data.training.rows(rows)
             if config.vary:
-                batch = varied(self._objective.skill, batch, noise)
+                batch = vary_description(self._objective.skill, batch, noise)
             loss = self._objective.loss(batch, noise)
-            self._optimiser.zero_grad()
+            self._optimizer.zero_grad()
             torch.autograd.backward(loss)
             torch.nn.utils.clip_grad_norm_(module.parameters(), config.clip)
-            self._optimiser.step()
+            self._optimizer.step()
             losses.append(float(loss.detach()))
         module.eval()
         with torch.inference_mode():
             figures = self._objective.validate(
-                self._data.validation, seeded(config.seed)
+                self._data.validation, seeded_generator(config.seed)
             )  # the same noise in all epochs
         self.history.append({"epoch": number, "training_loss": float(np.mean(losses)), **figures})
         if self.best_epoch == number:
-            self._best = _copied(module.state_dict())
+            self._best = _copy_state(module.state_dict())
 
     def _save(self) -> None:
         """Weights, best weights and the optimiser's moments in one file."""
         moments = {
             f"moments.{index}.{name}": value
-            for index, state in self._optimiser.state_dict()["state"].items()
+            for index, state in self._optimizer.state_dict()["state"].items()
             for name, value in state.items()
         }
-        weights = _prefixed("weights.", self._objective.module.state_dict())
-        tensors = {**weights, **_prefixed("best.", self._best), **moments}
+        weights = _add_prefix("weights.", self._objective.module.state_dict())
+        tensors = {**weights, **_add_prefix("best.", self._best), **moments}
         arrays = {name: tensor.numpy() for name, tensor in tensors.items()}
         self._folder.mkdir(parents=True, exist_ok=True)
         write(self._folder / STATE, arrays, {"purpose": self._purpose, "history": self.history})
@@ -173,24 +173,24 @@ class Fit:
                 f"{path}: made with other options or other attempts; give those it was made with, or another --out"
             )
         tensors = {name: torch.from_numpy(array.copy()) for name, array in arrays.items()}
-        self._objective.module.load_state_dict(_without("weights.", tensors))
-        self._best = _without("best.", tensors)
+        self._objective.module.load_state_dict(_strip_prefix("weights.", tensors))
+        self._best = _strip_prefix("best.", tensors)
         states: dict[int, dict[str, Tensor]] = {}
-        for name, tensor in _without("moments.", tensors).items():
+        for name, tensor in _strip_prefix("moments.", tensors).items():
             index, _, key = name.partition(".")
             states.setdefault(int(index), {})[key] = tensor
-        groups = self._optimiser.state_dict()["param_groups"]
-        self._optimiser.load_state_dict({"state": states, "param_groups": groups})
+        groups = self._optimizer.state_dict()["param_groups"]
+        self._optimizer.load_state_dict({"state": states, "param_groups": groups})
         self.history = metadata["history"]
 
 
-def _copied(state: dict[str, Tensor]) -> dict[str, Tensor]:
+def _copy_state(state: dict[str, Tensor]) -> dict[str, Tensor]:
     return {name: tensor.clone() for name, tensor in state.items()}
 
 
-def _prefixed(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+def _add_prefix(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
     return {prefix + name: tensor for name, tensor in tensors.items()}
 
 
-def _without(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+def _strip_prefix(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
     return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}

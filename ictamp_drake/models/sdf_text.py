@@ -9,7 +9,7 @@ from ictamp_drake.models.contact import Surface
 
 DRAKE_NAMESPACE = "http://drake.mit.edu"
 
-Colour = tuple[float, float, float]
+Color = tuple[float, float, float]
 
 
 class Shape(NamedTuple):
@@ -76,11 +76,11 @@ def collision(shape: Shape, surface: Surface) -> str:
     )
 
 
-def visual(shape: Shape, colour: Colour) -> str:
+def visual(shape: Shape, color: Color) -> str:
     """A visual element of one colour (red, green, blue in [0, 1])."""
     return (
         f'<visual name="{shape.name}">{pose(shape.xyz, shape.rpy)}{_geometry(shape)}'
-        f"<material><diffuse>{numbers((*colour, 1.0))}</diffuse></material></visual>"
+        f"<material><diffuse>{numbers((*color, 1.0))}</diffuse></material></visual>"
     )
 
 

@@ -11,12 +11,12 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.models.constants import Inertial
 from ictamp_drake.models.contact import CONTACT_RADIUS, OBJECT, SUPPORT
-from ictamp_drake.models.sdf_text import Colour, Shape, collision, document, element, inertial, visual
+from ictamp_drake.models.sdf_text import Color, Shape, collision, document, element, inertial, visual
 
 Size = tuple[float, float, float]
 
-WOOD: Colour = (0.80, 0.68, 0.52)
-METAL: Colour = (0.55, 0.58, 0.62)
+WOOD: Color = (0.80, 0.68, 0.52)
+METAL: Color = (0.55, 0.58, 0.62)
 
 TABLE_SIZE: Size = (1.2, 0.9, 0.05)
 RACK_SIZE: Size = (0.22, 0.32, 0.16)
@@ -30,7 +30,7 @@ BOX_SIZES: dict[str, Size] = {
     "cyan_box": (0.058, 0.058, 0.07),
     "blue_box": (0.05, 0.05, 0.106),
 }
-BOX_COLOURS: dict[str, Colour] = {
+BOX_COLORS: dict[str, Color] = {
     "yellow_box": (0.95, 0.78, 0.15),
     "red_box": (0.82, 0.16, 0.16),
     "cyan_box": (0.15, 0.75, 0.80),
@@ -71,12 +71,12 @@ def rim_contacts(size: Sequence[float], spacing: float) -> tuple[Shape, ...]:
     )
 
 
-def _box_visuals(size: Size, colour: Colour) -> list[str]:
-    red, green, blue = (_EDGE_DARKNESS * channel for channel in colour)
+def _box_visuals(size: Size, color: Color) -> list[str]:
+    red, green, blue = (_EDGE_DARKNESS * channel for channel in color)
     x, y, z = (value - 2 * _EDGE_DEPTH for value in size)
     faces = [tuple(size[i] if i == axis else size[i] - 2 * _EDGE_WIDTH for i in range(3)) for axis in range(3)]
     edges = visual(Shape("edges", "box", (x, y, z)), (red, green, blue))
-    return [edges, *(visual(Shape(f"faces_{'xyz'[i]}", "box", face), colour) for i, face in enumerate(faces))]
+    return [edges, *(visual(Shape(f"faces_{'xyz'[i]}", "box", face), color) for i, face in enumerate(faces))]
 
 
 def _check(name: str, size: Size, least: float) -> None:
@@ -84,7 +84,7 @@ def _check(name: str, size: Size, least: float) -> None:
         raise IctampError(f"{name}: size {tuple(size)} has a side below the least one, {least} m")
 
 
-def box_sdf(name: str, size: Size, mass: float, friction: float, colour: Colour) -> str:
+def box_sdf(name: str, size: Size, mass: float, friction: float, color: Color) -> str:
     """A box of uniform density, its origin at the centre.
 
     Args:
@@ -92,7 +92,7 @@ def box_sdf(name: str, size: Size, mass: float, friction: float, colour: Colour)
         size: sides along x, y, z [m].
         mass: [kg].
         friction: Coulomb coefficient.
-        colour: red, green, blue in [0, 1].
+        color: red, green, blue in [0, 1].
 
     Raises:
         IctampError: a side is too short for the contact spheres, or the mass is not positive.
@@ -104,13 +104,13 @@ def box_sdf(name: str, size: Size, mass: float, friction: float, colour: Colour)
     children = [
         inertial(box_inertial(size, mass)),
         *(collision(shape, surface) for shape in (Shape("body", "box", size), *box_contacts(size))),
-        *_box_visuals(size, colour),
+        *_box_visuals(size, color),
     ]
     return document(element("model", [element("link", children, name=name)], name=name))
 
 
-def _support_sdf(name: str, shapes: tuple[Shape, ...], colour: Colour) -> str:
-    children = [collision(shape, SUPPORT) for shape in shapes] + [visual(shape, colour) for shape in shapes]
+def _support_sdf(name: str, shapes: tuple[Shape, ...], color: Color) -> str:
+    children = [collision(shape, SUPPORT) for shape in shapes] + [visual(shape, color) for shape in shapes]
     return document(element("model", [element("link", children, name=name)], name=name))
 
 

@@ -5,8 +5,8 @@ from math import inf
 
 from ictamp_drake.core.checks import check_fields, check_range
 from ictamp_drake.motion.inverse_kinematics import KinematicsConfig
-from ictamp_drake.motion.optimization import LEAST_POINTS, TrajectoryConfig
 from ictamp_drake.motion.paths import PathConfig
+from ictamp_drake.motion.trajectory_optimization import LEAST_POINTS, TrajectoryConfig
 
 
 @dataclass(frozen=True)

@@ -116,8 +116,8 @@ class ArmKinematics:
             accept: what a solution must satisfy besides, e.g. to be free of collisions.
         """
         found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._last)
-        found = found[self._within_limits(found)]
-        near, ease = ((found - q) ** 2 for q in (q_guess, self.comfortable(X_WG)))
+        found = found[self._is_within_limits(found)]
+        near, ease = ((found - q) ** 2 for q in (q_guess, self.comfortable_posture(X_WG)))
         cost = (self.config.guess_weight * near + self.config.comfort_weight * ease).sum(axis=1)
         found = found[np.argsort(cost, kind="stable")]
         for _ in range(self.config.attempts):
@@ -148,17 +148,17 @@ class ArmKinematics:
             open_ = np.flatnonzero(least > turns[some[0]])  # the last joint alone takes longer from here on
             found = postures(np.repeat(X_BG[open_], len(some), axis=0), np.tile(last[some], len(open_)))
             times = np.full(found.shape[:2], np.inf)
-            inside = self._within_limits(found)
+            inside = self._is_within_limits(found)
             times[inside] = (np.abs(found[inside] - q) / VELOCITY).max(axis=1)
             least[open_] = np.minimum(least[open_], times.reshape(8, len(open_), len(some)).min(axis=(0, 2)))
         return least
 
-    def _within_limits(self, q: FloatArray) -> NDArray[np.bool_]:
+    def _is_within_limits(self, q: FloatArray) -> NDArray[np.bool_]:
         """Of joint positions, shape (..., 7) -> (...); False for nan."""
         inside: NDArray[np.bool_] = np.all((q >= self.lower) & (q <= self.upper), axis=-1)
         return inside
 
-    def comfortable(self, X_WG: RigidTransform) -> FloatArray:
+    def comfortable_posture(self, X_WG: RigidTransform) -> FloatArray:
         """The arm's comfortable configuration turned about its base towards G, shape (7,) [rad]."""
         x, y, _ = self._X_BW @ X_WG.translation()
         return np.clip(np.append(np.arctan2(y, x), HOME[1:]), self.lower, self.upper)
@@ -181,7 +181,7 @@ class ArmKinematics:
         count = int(np.ceil(max(distance, self.config.line_radius * turn.angle()) / self.config.line_step)) + 2
         qs = [np.asarray(q0)]
         for s in np.linspace(0, 1, count)[1:]:
-            q = self._follow(qs[-1] if len(qs) < 2 else 2 * qs[-1] - qs[-2], _between(X_WG0, X_WG1, s))
+            q = self._follow(qs[-1] if len(qs) < 2 else 2 * qs[-1] - qs[-2], _interpolate_pose(X_WG0, X_WG1, s))
             if q is None or np.abs(q - qs[-1]).max() > self.config.line_joint_step:
                 return None
             qs.append(q)
@@ -212,7 +212,7 @@ class ArmKinematics:
         )
 
 
-def _between(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> RigidTransform:
+def _interpolate_pose(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> RigidTransform:
     turn = (X_WA.rotation().inverse() @ X_WB.rotation()).ToAngleAxis()
     turn.set_angle(s * turn.angle())
     position = (1 - s) * X_WA.translation() + s * X_WB.translation()

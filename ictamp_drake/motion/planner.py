@@ -14,9 +14,9 @@ from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.motion.optimization import HalfSpace, TrajectoryOptimizer
 from ictamp_drake.motion.paths import find_path
 from ictamp_drake.motion.trajectory import Trajectory, sample
+from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryOptimizer
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
@@ -31,13 +31,13 @@ class Refusal(NamedTuple):
     obstacle: str = ""
 
     @classmethod
-    def at(cls, failure: Failure, contact: Contact | None) -> "Refusal":
+    def from_contact(cls, failure: Failure, contact: Contact | None) -> "Refusal":
         """Because of a contact."""
         return cls(failure) if contact is None else cls(failure, str(contact), contact.other)
 
 
 @dataclass(frozen=True, eq=False)
-class Planned:
+class PlannedMotion:
     """A collision-free motion, and which stage found it: straight, free, raised, sampled or pushed."""
 
     trajectory: Trajectory
@@ -103,10 +103,10 @@ class MotionPlanner:
         if stuck:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         if colliding:
-            return Refusal.at(Failure.GOAL_IN_COLLISION, self.scene.first_contact(np.array(colliding)))
+            return Refusal.from_contact(Failure.GOAL_IN_COLLISION, self.scene.first_contact(np.array(colliding)))
         return Refusal(Failure.NO_INVERSE_KINEMATICS)
 
-    def straight(self, q0: FloatArray, X_WG1: RigidTransform) -> Planned | Refusal:
+    def plan_straight(self, q0: FloatArray, X_WG1: RigidTransform) -> PlannedMotion | Refusal:
         """The hand goes on a straight line from where q0 holds it to X_WG1, turning evenly.
 
         The way to a known q1 is the reversed way from it: `straight(q1, X_WG0).trajectory.reversed()`.
@@ -119,25 +119,25 @@ class MotionPlanner:
             points = max(self.config.trajectory.control_points, len(path) + 5)
             trajectory = self.optimizer.follow(path, points)
         if self._is_free(trajectory):
-            return Planned(trajectory, "straight")
+            return PlannedMotion(trajectory, "straight")
         failure = Failure.NO_PATH if self.scene.is_free(trajectory.end) else Failure.GOAL_IN_COLLISION
-        return Refusal.at(failure, self._first_contact(trajectory))
+        return Refusal.from_contact(failure, self._first_contact(trajectory))
 
-    def transfer(self, q0: FloatArray, q1: FloatArray, rng: np.random.Generator) -> Planned | Refusal:
+    def transfer(self, q0: FloatArray, q1: FloatArray, rng: np.random.Generator) -> PlannedMotion | Refusal:
         """From q0 to q1, both of shape (7,) [rad], on whatever way is free."""
         room = self.config.padding
         for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
             nearest = min(self.scene.contacts(q, self.config.padding), default=None, key=lambda each: each.distance)
             if nearest is not None and nearest.distance <= 0:
-                return Refusal.at(failure, nearest)
+                return Refusal.from_contact(failure, nearest)
             room = room if nearest is None else min(room, nearest.distance)
         padding = 0.9 * room  # the ends pass for certain
         with self.stopwatch.stage("trajectory"):
-            free = self.optimizer.free(q0, q1)
+            free = self.optimizer.connect(q0, q1)
         for stage, trajectory in self._candidates(free, padding, rng):
             if self._is_free(trajectory, padding):
-                return Planned(trajectory, stage)
-        return Refusal.at(Failure.NO_PATH, self._first_contact(free, padding))
+                return PlannedMotion(trajectory, stage)
+        return Refusal.from_contact(Failure.NO_PATH, self._first_contact(free, padding))
 
     def _candidates(
         self, free: Trajectory, padding: float, rng: np.random.Generator
@@ -145,37 +145,37 @@ class MotionPlanner:
         trajectory, q0, q1 = free, free.start, free.end
         yield "free", trajectory
         with self.stopwatch.stage("path"):
-            path = self._raised(q0, q1)
-        for trajectory in self._along(path):
+            path = self._raise_path(q0, q1)
+        for trajectory in self._fit_path(path):
             yield "raised", trajectory
         with self.stopwatch.stage("path"):
             limits = self.kinematics.lower, self.kinematics.upper
             path = find_path(
                 q0, q1, lambda q: self.scene.is_free(q, padding), limits=limits, rng=rng, config=self.config.path
             )
-        for trajectory in self._along(path):
+        for trajectory in self._fit_path(path):
             yield "sampled", trajectory
         for _ in range(self.config.push_rounds if path is not None else 0):
             with self.stopwatch.stage("trajectory"):
-                trajectory = self._pushed(trajectory, padding)
+                trajectory = self._push_away(trajectory, padding)
             yield "pushed", trajectory
 
-    def _raised(self, q0: FloatArray, q1: FloatArray) -> FloatArray | None:
+    def _raise_path(self, q0: FloatArray, q1: FloatArray) -> FloatArray | None:
         """A path over what stands in between."""
         p0, p1 = (self.kinematics.forward(q).translation() for q in (q0, q1))
         height = obstacle_height(self._world, self._c, p0, p1, self.config.hand_width) + self.config.rise
         height += reach_below_grasp(self._world, self._c, self.kinematics.forward(self._c.q[:7]))
         return raised_path(self.kinematics, q0, q1, height)
 
-    def _along(self, path: FloatArray | None) -> Iterator[Trajectory]:
+    def _fit_path(self, path: FloatArray | None) -> Iterator[Trajectory]:
         if path is None:
             return
         for radius, points in self.config.corridors:
             with self.stopwatch.stage("trajectory"):
-                trajectory = self.optimizer.along(path, radius, points)
+                trajectory = self.optimizer.follow_corridor(path, radius, points)
             yield trajectory
 
-    def _pushed(self, trajectory: Trajectory, padding: float) -> Trajectory:
+    def _push_away(self, trajectory: Trajectory, padding: float) -> Trajectory:
         """The trajectory moved away from what it is too near to, as if distances were linear in the joints."""
         demands = []
         for share in np.linspace(0.0, 1.0, self.config.push_samples)[1:-1]:
@@ -184,7 +184,7 @@ class MotionPlanner:
             for distance, gradient in self.scene.clearance_gradients(q, padding + margin + self.config.push_margin):
                 offset = padding + margin - distance + gradient @ q
                 demands.append(HalfSpace(float(share), gradient, float(offset)))
-        return self.optimizer.around(trajectory, self.config.push_radius, demands)
+        return self.optimizer.adjust(trajectory, self.config.push_radius, demands)
 
     def _is_free(self, trajectory: Trajectory, padding: float = 0.0) -> bool:
         with self.stopwatch.stage("collision check"):

@@ -33,8 +33,8 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
     Returns:
         Shape (8, n, 7), angles but the last in [-π, π) [rad]; nan where there is none.
     """
-    R_B7, p_B7 = _without_hand(X_BG)
-    R_B6 = _undone(R_B7, 7, (np.cos(last), np.sin(last)))
+    R_B7, p_B7 = _remove_hand(X_BG)
+    R_B6 = _undo_joint(R_B7, 7, (np.cos(last), np.sin(last)))
     a, b, c = (R_B6 * (_P_BS[:, None] - p_B7)).sum(axis=1) + _P_67[:, None]  # from W to S in link 6's frame
     R_B6 = R_B6[:, :, None]
     q = np.empty((2, 2, 2, len(last), 7))
@@ -45,33 +45,35 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
         x = cos4 * _S[0] + sin4 * _S[1] - _W[0]  # from W to S in link 4's frame
         y = cos4 * _S[1] - sin4 * _S[0] - _W[1]
         rise, heading, side = np.arcsin(y / np.hypot(a, b)), np.arctan2(b, a), np.sign(x)
-        q[..., 3] = _wrapped(q4)
+        q[..., 3] = _wrap_angle(q4)
         for found, turn in zip(q, (rise, np.pi - rise), strict=True):
             q6 = turn - heading
             turn6 = cos6, sin6 = np.cos(q6), np.sin(q6)
             q5 = np.arctan2(side * c, side * (a * cos6 - b * sin6))
-            X, Y, Z = _undone(_undone(_undone(R_B6, 6, turn6), 5, (np.cos(q5), np.sin(q5))), 4, turn4)  # link 3's, in B
+            X, Y, Z = _undo_joint(
+                _undo_joint(_undo_joint(R_B6, 6, turn6), 5, (np.cos(q5), np.sin(q5))), 4, turn4
+            )  # link 3's, in B
             q1, q2 = np.arctan2(Z[1], Z[0]), np.arctan2(np.hypot(Z[0], Z[1]), Z[2])
             cos, sin = np.cos(q1), np.sin(q1)
             q3 = np.arctan2(cos * X[1] - sin * X[0], cos * Y[1] - sin * Y[0])
-            found[..., 4], found[..., 5] = q5, _wrapped(q6)
+            found[..., 4], found[..., 5] = q5, _wrap_angle(q6)
             for i, angle in enumerate((q1, q2, q3)):  # the shoulder's other way
                 found[0, ..., i], found[1, ..., i] = angle, -angle if i == 1 else angle - np.copysign(np.pi, angle)
     q[np.isnan(q[..., 5])] = np.nan  # what makes another angle nan makes this one nan, too
     return q.reshape(8, len(last), 7)
 
 
-def _wrapped(angle: FloatArray) -> FloatArray:
+def _wrap_angle(angle: FloatArray) -> FloatArray:
     return angle - 2 * np.pi * np.floor((angle + np.pi) / (2 * np.pi))
 
 
-def _without_hand(X_BG: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _remove_hand(X_BG: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Axes of link 7, one after the other, and its position in B, (4, 4) or (n, 4, 4) -> (3, 3, n) and (3, n)."""
     X_B7 = np.reshape(X_BG @ _X_G7, (-1, 4, 4))
     return X_B7[:, :3, :3].transpose(2, 1, 0), X_B7[:, :3, 3].T
 
 
-def _undone(axes: FloatArray, number: int, turn: tuple[FloatArray, FloatArray]) -> FloatArray:
+def _undo_joint(axes: FloatArray, number: int, turn: tuple[FloatArray, FloatArray]) -> FloatArray:
     """Axes of the link before a link: x, y, z, each of shape (3, ..., n).
 
     Args:

@@ -47,23 +47,23 @@ class Situations(NamedTuple):
     X_BG: FloatArray
     held: Numbers
 
-    def at(self, numbers: Numbers) -> "Situations":
+    def select(self, numbers: Numbers) -> "Situations":
         """Some of the situations, maybe repeatedly."""
         X_BU, sizes, tipped, X_BG, held = self
         return Situations(X_BU[numbers], sizes[numbers], tipped[numbers], X_BG[numbers], held[numbers])
 
     def tops(self, number: Numbers) -> FloatArray:
         """X_BT of one object of each situation, shape (n, 4, 4)."""
-        X_BT = self.X_BU[_all(number), number].copy()
-        X_BT[:, :3, 3] += X_BT[:, :3, 2] * self.sizes[_all(number), number, 2:] / 2
+        X_BT = self.X_BU[_index_rows(number), number].copy()
+        X_BT[:, :3, 3] += X_BT[:, :3, 2] * self.sizes[_index_rows(number), number, 2:] / 2
         return X_BT
 
     def targets(self, steps: Steps) -> FloatArray:
         """X_BK of each action's target frame: U of the box to grasp, T of the receptacle, shape (n, 4, 4)."""
-        grasped = self.X_BU[_all(steps.box), steps.box]
+        grasped = self.X_BU[_index_rows(steps.box), steps.box]
         return np.where(steps.picks[:, None, None], grasped, self.tops(steps.place))
 
-    def after(self, steps: Steps, k: FloatArray, moved: FloatArray) -> "Situations":
+    def predict_after(self, steps: Steps, k: FloatArray, moved: FloatArray) -> "Situations":
         """What the actions would leave; all objects but the action's box stay.
 
         The hand is where it lifted the box to, or where it let go of it: its retreat makes no difference, since an
@@ -76,10 +76,10 @@ class Situations(NamedTuple):
         """
         picks, box, _ = steps
         X_BK, X_BU = self.targets(steps), self.X_BU.copy()
-        X_BU[_all(box), box] = X_BK @ level(moved)
+        X_BU[_index_rows(box), box] = X_BK @ level(moved)
         lifted = X_BK @ grasps(k)
         lifted[:, 2, 3] += LIFT
-        let_go = X_BU[_all(box), box] @ inverse(self.X_BU[_all(box), box]) @ self.X_BG
+        let_go = X_BU[_index_rows(box), box] @ inverse(self.X_BU[_index_rows(box), box]) @ self.X_BG
         X_BG = np.where(picks[:, None, None], lifted, let_go)
         return self._replace(X_BU=X_BU, X_BG=X_BG, held=np.where(picks, box, ABSENT))
 
@@ -88,7 +88,7 @@ class Situations(NamedTuple):
 
         An object is as near as its surface is to the box's centre or to the centre of the place's top.
         """
-        p_B = np.stack([self.X_BU[_all(box), box, :3, 3], self.tops(place)[:, :3, 3]], axis=1)
+        p_B = np.stack([self.X_BU[_index_rows(box), box, :3, 3], self.tops(place)[:, :3, 3]], axis=1)
         offset = p_B[:, None] - self.X_BU[:, :, None, :3, 3]
         p_U = np.einsum("nmji,nmkj->nmki", self.X_BU[..., :3, :3], offset)
         outside = np.maximum(np.abs(p_U) - self.sizes[:, :, None] / 2, 0.0)
@@ -100,5 +100,5 @@ class Situations(NamedTuple):
         return order
 
 
-def _all(numbers: Numbers) -> Numbers:
+def _index_rows(numbers: Numbers) -> Numbers:
     return np.arange(len(numbers))

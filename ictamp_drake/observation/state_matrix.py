@@ -20,7 +20,7 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.observation.situations import ABSENT, Numbers, Situations, Steps
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.world.matrices import all_upright, flat, inverse, to_matrices
+from ictamp_drake.world.matrices import flat, inverse, to_matrices, upright_frames
 
 ROWS = 8
 """Objects in a matrix at most."""
@@ -157,7 +157,7 @@ class Observer:
         """Where all objects and the hand are in each configuration."""
         distinct = {c: number for number, c in enumerate(dict.fromkeys(configurations))}
         poses = np.array([[c.poses[name] for name in self._boxes] for c in distinct])
-        X_WU, sizes, upright = all_upright(to_matrices(poses), self._sizes)
+        X_WU, sizes, upright = upright_frames(to_matrices(poses), self._sizes)
         count, supports = len(distinct), len(self._X_BS)
         found = Situations(
             np.concatenate([self._X_BW @ X_WU, np.broadcast_to(self._X_BS, (count, supports, 4, 4))], axis=1),
@@ -166,14 +166,14 @@ class Observer:
             forward(np.array([c.q[:7] for c in distinct])),
             np.array([ABSENT if c.held is None else self._number[c.held] for c in distinct]),
         )
-        return found.at(np.array([distinct[c] for c in configurations]))
+        return found.select(np.array([distinct[c] for c in configurations]))
 
     def steps(self, actions: Sequence[Action]) -> Steps:
         """The actions in numbers."""
         box, place = np.array([[self._number[name] for name in action.args] for action in actions]).T
         return Steps(np.array([action.name == "pick" for action in actions]), box, place)
 
-    def moved(self, options: Sequence[tuple[Configuration, Action]], X_WO: FloatArray) -> FloatArray:
+    def measure_moved_box(self, options: Sequence[tuple[Configuration, Action]], X_WO: FloatArray) -> FloatArray:
         """(x, y, z, yaw) of U of each action's box in the target frame K of c, when it is at X_WO afterwards.
 
         How far it is tilted against K is left out.
@@ -187,7 +187,7 @@ class Observer:
         """
         steps = self.steps([action for _, action in options])
         X_BK = self.situations([c for c, _ in options]).targets(steps)
-        X_WU, _, _ = all_upright(to_matrices(X_WO), self._sizes[steps.box])
+        X_WU, _, _ = upright_frames(to_matrices(X_WO), self._sizes[steps.box])
         X_KU = inverse(X_BK) @ self._X_BW @ X_WU
         return np.column_stack([X_KU[:, :3, 3], np.arctan2(X_KU[:, 1, 0], X_KU[:, 0, 0])])
 

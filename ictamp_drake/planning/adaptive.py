@@ -69,7 +69,7 @@ class Adaptive(Generic[C]):
         for entry in news:
             if isinstance(entry, Step):
                 self._beliefs.learn(tree, entry)
-        efforts = self._beliefs.remaining(tree, runs)
+        efforts = self._beliefs.estimate_effort(tree, runs)
         best = min(efforts)
         run = runs[efforts.index(best)]
         for entry in news:
@@ -83,9 +83,9 @@ class Adaptive(Generic[C]):
         openings = self._openings[self._asked]
         if tree.exhausted and (not self._asked or openings.ended):
             return False
-        saved = best - self._beliefs.hoped(tree.plans[tree.opened[-1]])
+        saved = best - self._beliefs.estimate_prior_effort(tree.plans[tree.opened[-1]])
         W = saved / (2 + openings.in_vain)
-        return self._config.opening + self._config.expanding * openings.expanded.or_else(0.0) < W
+        return self._config.opening + self._config.expanding * openings.expanded.value_or(0.0) < W
 
 
 @dataclass

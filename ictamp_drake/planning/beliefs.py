@@ -12,7 +12,7 @@ from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, C, Obstruction, Skeleton, State
 from ictamp_drake.planning.credit import EdgeBelief, Lineage, Way
 from ictamp_drake.planning.estimates import Estimates
-from ictamp_drake.planning.obstructions import Obstructions, moved_by
+from ictamp_drake.planning.obstructions import Obstructions, boxes_moved_by
 from ictamp_drake.planning.tree import RunStep, Step, Tree
 
 
@@ -90,9 +90,9 @@ class Beliefs(Generic[C]):
         effort = self._config.trying * attempt.tried + self._config.simulating * attempt.duration
         self._efforts[action.name, success].add(effort)
 
-    def remaining(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
+    def estimate_effort(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """Effort that running each plan from its node is believed to take until the plan is finished [s]."""
-        ahead = cache(self._ahead)
+        ahead = cache(self._effort_ahead)
         efforts = []
         for run, P in zip(runs, self._see(tree, runs), strict=True):
             lineage, plan = tree.lineage(run.node), tree.plans[run.plan]
@@ -101,30 +101,30 @@ class Beliefs(Generic[C]):
             ways = [way[:depth] for depth in range(len(here), len(way))]
             first, *later = map(self._edge, plan.states, plan.actions, ways)
             rest = (ahead(lineage, before, edge) for before, edge in zip(ways[1:], later, strict=True))
-            efforts.append(sum(rest, self._here(lineage, here, first, P)))
+            efforts.append(sum(rest, self._effort_here(lineage, here, first, P)))
         return efforts
 
-    def hoped(self, plan: Skeleton) -> float:
-        """What `remaining` would be had nothing been attempted yet [s]."""
-        return sum(self._effort(action, self._usually(action)) for action in plan.actions)
+    def estimate_prior_effort(self, plan: Skeleton) -> float:
+        """What `estimate_effort` would be had nothing been attempted yet [s]."""
+        return sum(self._effort(action, self._usual_success(action)) for action in plan.actions)
 
     def obstructions(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
         """What had better be moved before these actions."""
-        return self._obstructions.of(actions)
+        return self._obstructions.list_before(actions)
 
     def _edge(self, state: State, action: Action, way: Way) -> "_Edge":
         """Where boxes are in the way of the action, it matters which have been moved, and no longer in what state."""
         boxes = self._obstructions.boxes(action)
-        return _Edge(None, action, boxes & moved_by(way)) if boxes else _Edge(state, action)
+        return _Edge(None, action, boxes & boxes_moved_by(way)) if boxes else _Edge(state, action)
 
     def _edges_at(self, tree: Tree[C], node: int, action: Action) -> tuple[EdgeBelief, EdgeBelief]:
         """Both that an action from the node tells of, should boxes in its way be found."""
-        moved = self._obstructions.boxes(action) & moved_by(tree.way(node))
+        moved = self._obstructions.boxes(action) & boxes_moved_by(tree.way(node))
         return self._edges[_Edge(tree.nodes[node].s, action)], self._edges[_Edge(None, action, moved)]
 
     def _see(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """P of each step; what a node's first P of an action says about others is taken in once."""
-        estimates = [max(self._config.floor, P) for P in self._estimates.of(tree, runs)]
+        estimates = [max(self._config.floor, P) for P in self._estimates.look_up(tree, runs)]
         for (node, plan, _), P in zip(runs, estimates, strict=True):
             action = tree.plans[plan].actions[0]
             if (node, action) not in self._seen:
@@ -135,24 +135,24 @@ class Beliefs(Generic[C]):
                 self._usual[action.name].add(P)
         return estimates
 
-    def _here(self, lineage: Lineage, way: Way, edge: "_Edge", P: float) -> float:
+    def _effort_here(self, lineage: Lineage, way: Way, edge: "_Edge", P: float) -> float:
         """Effort of an action from the last node, of which P is known."""
-        return self._effort(edge.action, self._edges[edge].at(lineage, way, P))
+        return self._effort(edge.action, self._edges[edge].success_at(lineage, way, P))
 
-    def _ahead(self, lineage: Lineage, way: Way, edge: "_Edge") -> float:
+    def _effort_ahead(self, lineage: Lineage, way: Way, edge: "_Edge") -> float:
         """Effort of an action from the end of a way that begins like the lineage."""
-        usual = self._usually(edge.action)
+        usual = self._usual_success(edge.action)
         known = self._edges.get(edge)
-        return self._effort(edge.action, known.ahead(lineage, way, usual) if known else usual)
+        return self._effort(edge.action, known.success_ahead(lineage, way, usual) if known else usual)
 
-    def _usually(self, action: Action) -> float:
+    def _usual_success(self, action: Action) -> float:
         """Mean P of the action elsewhere, or else of actions of its name."""
-        return self._usual[action].or_else(self._usual[action.name].or_else(self._config.hope))
+        return self._usual[action].value_or(self._usual[action.name].value_or(self._config.hope))
 
     def _effort(self, action: Action, belief: float) -> float:
         """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
-        success = self._efforts[action.name, True].or_else(self._config.effort)
-        failure = self._efforts[action.name, False].or_else(success)
+        success = self._efforts[action.name, True].value_or(self._config.effort)
+        failure = self._efforts[action.name, False].value_or(success)
         return success + (1 / belief - 1) * failure
 
 
@@ -175,6 +175,6 @@ class Mean:
         self.total += value
         self.count += 1
 
-    def or_else(self, value: float) -> float:
+    def value_or(self, value: float) -> float:
         """The mean, or the value when there is none."""
         return self.total / self.count if self.count else value

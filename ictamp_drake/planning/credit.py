@@ -25,7 +25,7 @@ class _Evidence(NamedTuple):
     def minus(self, other: "_Evidence") -> "_Evidence":
         return _Evidence(self.weight - other.weight, self.total - other.total)
 
-    def for_others(self, strength: float) -> "_Evidence":
+    def discount_for_others(self, strength: float) -> "_Evidence":
         """What it says about another draw from the same Beta distribution, of this strength: at most so much."""
         share = strength / (strength + self.weight)
         return _Evidence(share * self.weight, share * self.total)
@@ -34,18 +34,18 @@ class _Evidence(NamedTuple):
 _Judgement = Callable[["EdgeBelief", Lineage, Way, float], float]
 
 
-def _until_news(judgement: _Judgement) -> _Judgement:
+def _cache_until_news(judgement: _Judgement) -> _Judgement:
     """The same, computed once until there are news."""
 
     @wraps(judgement)
-    def recalled(self: "EdgeBelief", lineage: Lineage, way: Way, P: float) -> float:
+    def cached(self: "EdgeBelief", lineage: Lineage, way: Way, P: float) -> float:
         asked = judgement, lineage, way, P
         known = self._known.get(asked)
         if known is None:
             known = self._known[asked] = judgement(self, lineage, way, P)
         return known
 
-    return recalled
+    return cached
 
 
 class EdgeBelief:
@@ -90,7 +90,7 @@ class EdgeBelief:
         for node in lineage:
             self._groups[node] = self._groups[node].plus(evidence)
         for r, (old, new) in enumerate(zip(before, self._groups_of(lineage), strict=True)):
-            news = new.for_others(self._strength).minus(old.for_others(self._strength))
+            news = new.discount_for_others(self._strength).minus(old.discount_for_others(self._strength))
             self._all_groups[r] = self._all_groups[r].plus(news)
 
     def blame(self, objects: Collection[str]) -> None:
@@ -98,13 +98,13 @@ class EdgeBelief:
         self._known.clear()
         self._blamed[frozenset(objects)] += 1
 
-    @_until_news
-    def at(self, lineage: Lineage, way: Way, P: float) -> float:
+    @_cache_until_news
+    def success_at(self, lineage: Lineage, way: Way, P: float) -> float:
         """Success from a node with this P."""
         return self._mean(self._groups_of(lineage), way, P)
 
-    @_until_news
-    def ahead(self, lineage: Lineage, way: Way, usual: float) -> float:
+    @_cache_until_news
+    def success_ahead(self, lineage: Lineage, way: Way, usual: float) -> float:
         """Success from a node that is still to be reached, on this way, from the last one of the lineage.
 
         Its P is guessed from that of the nodes nearby; the usual P counts as one of them.

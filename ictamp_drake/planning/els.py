@@ -19,7 +19,7 @@ import numpy as np
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
-from ictamp_drake.planning.estimates import estimated
+from ictamp_drake.planning.estimates import ask_estimator
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, Opening, RunStep, Step, Tree
 
@@ -132,7 +132,7 @@ class Els(Generic[C]):
         """The parent is complete: the attempts at the next action are its children."""
         P = 1.0
         if self._config.weighted:
-            (P,) = estimated(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan])])
+            (P,) = ask_estimator(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan])])
         level = self._level(parent.branch, parent.number) + self._effort(spent) + self._config.eps
         self._wait(_Branch(level, run, max(self._config.floor, P)))
 

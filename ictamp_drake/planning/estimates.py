@@ -22,16 +22,16 @@ class Estimates(Generic[C]):
         self._estimator = estimator
         self._known: dict[RunStep, float] = {}
 
-    def of(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
+    def look_up(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
         """P of each step; the estimator is asked for all unknown ones together."""
         unknown = [run for run in runs if run not in self._known]
         if unknown:
-            values = estimated(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan]) for run in unknown])
+            values = ask_estimator(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan]) for run in unknown])
             self._known.update(zip(unknown, values, strict=True))
         return [self._known[run] for run in runs]
 
 
-def estimated(estimator: Estimator[C], options: Sequence[tuple[C, Skeleton]]) -> list[float]:
+def ask_estimator(estimator: Estimator[C], options: Sequence[tuple[C, Skeleton]]) -> list[float]:
     """P of each option as the estimator says it.
 
     Raises:

@@ -27,7 +27,7 @@ class Obstructions:
 
         The initial state tells what can be moved: what its atoms are about, the first argument of each.
         """
-        action, moved = attempt.action, moved_by(way)
+        action, moved = attempt.action, boxes_moved_by(way)
         if success:
             self._successes[action].append(moved)
         unmoved = {atom.args[0] for atom in initial if atom.args} - moved - {*action.args}
@@ -37,7 +37,7 @@ class Obstructions:
         found = (box for box in self._failures[action] if self._expected_failures(action, box) >= self._patience)
         self._found[action] = frozenset(found)
 
-    def of(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
+    def list_before(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
         """Those that had better be moved before these actions."""
         return frozenset(Obstruction(action, box) for action in actions for box in self.boxes(action))
 
@@ -51,6 +51,6 @@ class Obstructions:
         return self._failures[action][box] / (1 + successes)
 
 
-def moved_by(way: Iterable[Action]) -> frozenset[str]:
+def boxes_moved_by(way: Iterable[Action]) -> frozenset[str]:
     """What these actions move, the first argument of each."""
     return frozenset(moved for action in way for moved in action.args[:1])

@@ -74,6 +74,6 @@ class Proportional(Generic[C]):
         return options[draw(scores, rng)]
 
     def _scores_low(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        estimates = self._estimates.of(tree, runs)
+        estimates = self._estimates.look_up(tree, runs)
         counts = [tree.nodes[run.node].cnt[run.plan] for run in runs]
         return [score_low(P, cnt, self._config.floor) for P, cnt in zip(estimates, counts, strict=True)]

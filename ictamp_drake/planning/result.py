@@ -55,9 +55,11 @@ class ActionReport:
         """One line, e.g. "pick(red_box, rack): 30 of 30: no inverse-kinematics solution"."""
         line = f"{self.action}: {self.failures.total()} of {self.attempts}"
         if self.failures:
-            line += f": {_listed(self.failures)}"
+            line += f": {_format_causes(self.failures)}"
         if self.rejections:
-            line += f" (before the last k of an attempt, {self.rejections.total()} more: {_listed(self.rejections)})"
+            line += (
+                f" (before the last k of an attempt, {self.rejections.total()} more: {_format_causes(self.rejections)})"
+            )
         return line
 
 
@@ -144,7 +146,7 @@ class PlanningResult(Generic[C]):
         return sorted(reports, key=lambda report: -report.attempts)
 
 
-def _listed(causes: Counter[Failure]) -> str:
+def _format_causes(causes: Counter[Failure]) -> str:
     if len(causes) == 1:
         return str(next(iter(causes)))
     return ", ".join(f"{count} {cause}" for cause, count in causes.most_common())

@@ -41,7 +41,7 @@ class StapConfig:
             TypeError: the estimator is no `PlanOptimizer`.
         """
         if not isinstance(estimator, PlanOptimizer):
-            raise TypeError(f"{type(estimator).__name__} does not optimise plans")
+            raise TypeError(f"{type(estimator).__name__} does not optimize plans")
         return Stap(self, estimator)
 
 
@@ -64,15 +64,15 @@ class Stap(Generic[C]):
         if (step := self._next_of_plan(tree)) is not None:
             return step
         if not self._ranking:
-            self._ranking.extend(self._ranked(tree, rng))
+            self._ranking.extend(self._rank_plans(tree, rng))
         plan, self._k = self._ranking.popleft()
         return RunStep(ROOT, plan, self._k[0])
 
     def _wants_plans(self, tree: Tree[C]) -> bool:
-        near, known = self._near(tree), tree.opened
+        near, known = self._list_near(tree), tree.opened
         return not tree.exhausted and len(near) < self._config.plans and (not near or near[-1] == known[-1])
 
-    def _near(self, tree: Tree[C]) -> list[int]:
+    def _list_near(self, tree: Tree[C]) -> list[int]:
         """The plans up to the depth, in the order in which they came."""
         opened = [plan for plan in tree.opened if tree.plans[plan].actions]
         depth = min((len(tree.plans[plan]) for plan in opened), default=0) + self._config.extra
@@ -82,9 +82,9 @@ class Stap(Generic[C]):
         reached = tree.reached
         return reached and reached._replace(k=self._k[tree.nodes[reached.node].depth])
 
-    def _ranked(self, tree: Tree[C], rng: np.random.Generator) -> list[tuple[int, FloatArray]]:
+    def _rank_plans(self, tree: Tree[C], rng: np.random.Generator) -> list[tuple[int, FloatArray]]:
         """Plans with their parameters, the most promising first."""
-        plans = self._near(tree)
-        found = self._optimizer.optimised([(tree.root.c, tree.plans[plan]) for plan in plans], rng)
+        plans = self._list_near(tree)
+        found = self._optimizer.optimize([(tree.root.c, tree.plans[plan]) for plan in plans], rng)
         order = sorted(range(len(plans)), key=lambda number: -found[number].value)
         return [(plans[number], found[number].k) for number in order]

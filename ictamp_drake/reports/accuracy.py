@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.learning.cases import Case, Counts, counted, halves
+from ictamp_drake.learning.cases import Case, Counts, count_outcomes, halves
 from ictamp_drake.learning.metrics import BINS, bins
 
 RESAMPLES, LEVEL = 2000, 0.95
@@ -60,10 +60,10 @@ class Accuracy:
     figures: Mapping[str, Figures]
 
 
-def compared(skill: str, cases: Sequence[Case], estimates: Mapping[str, FloatArray]) -> Accuracy:
+def compare_estimators(skill: str, cases: Sequence[Case], estimates: Mapping[str, FloatArray]) -> Accuracy:
     """The figures of all estimators, the first of which is held against every other."""
-    counts = counted(cases)
-    weight = resampled(counts)
+    counts = count_outcomes(cases)
+    weight = resample_scenes(counts)
     first, *rivals = estimates
     figures = {first: figures_of(counts, estimates[first], weight)}
     for name in rivals:
@@ -76,7 +76,7 @@ def compared(skill: str, cases: Sequence[Case], estimates: Mapping[str, FloatArr
 def _ceiling(cases: Sequence[Case], P: FloatArray) -> Figures:
     """What can be reached where outcomes are random: an oracle counts one half of the executions, see `halves`."""
     known, tested = halves(cases)
-    weight = resampled(tested)
+    weight = resample_scenes(tested)
     average = known.successes.sum() / known.attempts.sum()
     oracle = (known.successes + average) / (known.attempts + 1)  # never certain, so that log loss is finite
     # GT differs from the true probability as much as the mean of two halves does: half as much as they do themselves
@@ -86,7 +86,7 @@ def _ceiling(cases: Sequence[Case], P: FloatArray) -> Figures:
 
 
 def figures_of(counts: Counts, P: FloatArray, weight: FloatArray) -> Figures:
-    """All figures of `SCORES`; intervals by the weights of `resampled`."""
+    """All figures of `SCORES`; intervals by the weights of `resample_scenes`."""
     return {name: _figure(name, counts, P, weight) for name in SCORES}
 
 
@@ -108,7 +108,7 @@ def advantage(counts: Counts, P: FloatArray, Q: FloatArray) -> FloatArray:
     return np.abs(counts.share - P) - np.abs(counts.share - Q)
 
 
-def resampled(counts: Counts, times: int = RESAMPLES) -> FloatArray:
+def resample_scenes(counts: Counts, times: int = RESAMPLES) -> FloatArray:
     """How often each case is in samples of scenes that are drawn with replacement, shape (times, n)."""
     scenes, number = np.unique(counts.scene, return_inverse=True)
     even = np.full(len(scenes), 1 / len(scenes))
@@ -163,16 +163,16 @@ def _log_loss(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArray:
 def _ece(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArray:
     """Mean distance of estimate and frequency over bins of cases with about equally many executions."""
     surplus = weight * (counts.attempts * P - counts.successes)
-    return np.abs(_summed(surplus, bins(P, counts.attempts), BINS)).sum(axis=1) / (weight @ counts.attempts)
+    return np.abs(_sum_by_place(surplus, bins(P, counts.attempts), BINS)).sum(axis=1) / (weight @ counts.attempts)
 
 
 def _outcomes(counts: Counts, weight: FloatArray, place: NDArray[np.intp], size: int) -> tuple[FloatArray, FloatArray]:
     """Successes and failures at each place, shape (m, size) each."""
     failures = counts.attempts - counts.successes
-    return _summed(weight * counts.successes, place, size), _summed(weight * failures, place, size)
+    return _sum_by_place(weight * counts.successes, place, size), _sum_by_place(weight * failures, place, size)
 
 
-def _summed(values: FloatArray, place: NDArray[np.intp], size: int) -> FloatArray:
+def _sum_by_place(values: FloatArray, place: NDArray[np.intp], size: int) -> FloatArray:
     """Sums of the values with the same place, shape (m, n) -> (m, size)."""
     return values @ (place[:, None] == np.arange(size)).astype(np.float64)
 

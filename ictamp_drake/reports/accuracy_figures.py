@@ -10,7 +10,7 @@ from matplotlib.ticker import PercentFormatter
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.learning.metrics import bins
-from ictamp_drake.reports.accuracy import Accuracy, advantage, resampled
+from ictamp_drake.reports.accuracy import Accuracy, advantage, resample_scenes
 from ictamp_drake.viz.figures import GRID, LABEL, write_figures
 
 CLOSER, FARTHER, OTHERS = "#1f6fb4", "#d1652b", ("#444444", "#7b4ea3", "#b08d00", "#3b8f6b", "#c0508c", "#8a8a8a")
@@ -34,10 +34,10 @@ def figure_3(accuracies: Sequence[Accuracy]) -> Figure:
     figure, panels = _panels(accuracies)
     for axes, accuracy in zip(panels, accuracies, strict=True):
         first, rival, *others = accuracy.estimates
-        values, places = _sorted(accuracy, rival), np.arange(len(accuracy.counts)) + 0.5
+        values, places = _sort_cases(accuracy, rival), np.arange(len(accuracy.counts)) + 0.5
         axes.bar(places, values, width=1.0, color=np.where(values < 0, CLOSER, FARTHER), label=rival)
-        for name, colour in zip(others, OTHERS, strict=False):
-            axes.plot(places, _sorted(accuracy, name), color=colour, lw=1.2, label=name)
+        for name, color in zip(others, OTHERS, strict=False):
+            axes.plot(places, _sort_cases(accuracy, name), color=color, lw=1.2, label=name)
         axes.axhline(0, color=LABEL, lw=0.8)
         axes.set_title(_verdict(accuracy), fontsize=10)
         axes.set(xlabel="cases in ascending order", ylabel=f"|GT - {first}| - |GT - Q|")
@@ -80,23 +80,23 @@ def reliability(accuracy: Accuracy) -> Figure:
 def _reliability(axes: Axes, accuracy: Accuracy, name: str) -> None:
     P, counts = accuracy.estimates[name], accuracy.counts
     first = next(iter(accuracy.estimates))
-    colour = CLOSER if name == first else FARTHER if name.startswith("Q") else OTHERS[0]
+    color = CLOSER if name == first else FARTHER if name.startswith("Q") else OTHERS[0]
     heights, edges = np.histogram(P, bins=SHARE_BINS, range=(0, 1), weights=counts.attempts / counts.attempts.sum())
-    axes.stairs(heights, edges, fill=True, color=colour, alpha=0.25)
+    axes.stairs(heights, edges, fill=True, color=color, alpha=0.25)
     axes.plot([0, 1], [0, 1], color=LABEL, lw=0.8, ls=(0, (4, 3)))
-    estimate, share, below, above = _binned(accuracy, P)
-    axes.errorbar(estimate, share, yerr=(below, above), color=colour, fmt="o", ms=4, lw=1.0, capsize=0)
+    estimate, share, below, above = _bin_cases(accuracy, P)
+    axes.errorbar(estimate, share, yerr=(below, above), color=color, fmt="o", ms=4, lw=1.0, capsize=0)
     ece = accuracy.figures[name]["ece"]
     axes.set_title(f"{name}: ECE {ece.value:.2f} ({ece.low:.2f} to {ece.high:.2f})", fontsize=9)
     axes.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02), aspect="equal")
     axes.grid(color=GRID, lw=0.5)
 
 
-def _binned(accuracy: Accuracy, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _bin_cases(accuracy: Accuracy, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Mean estimate and share of successes in each bin, and how far the latter reaches down and up."""
     counts = accuracy.counts
     place = bins(P, counts.attempts)
-    weight = resampled(counts)
+    weight = resample_scenes(counts)
     points = []
     for number in np.unique(place):
         inside = place == number
@@ -128,6 +128,6 @@ def _panels(accuracies: Sequence[Accuracy]) -> tuple[Figure, list[Axes]]:
     return figure, list(panels)
 
 
-def _sorted(accuracy: Accuracy, rival: str) -> FloatArray:
+def _sort_cases(accuracy: Accuracy, rival: str) -> FloatArray:
     first = next(iter(accuracy.estimates.values()))
     return np.sort(advantage(accuracy.counts, first, accuracy.estimates[rival]))

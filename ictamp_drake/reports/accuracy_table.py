@@ -39,7 +39,7 @@ LEGEND = (
 )
 
 
-def report(accuracies: Sequence[Accuracy]) -> Group:
+def format_accuracies(accuracies: Sequence[Accuracy]) -> Group:
     """Everything that is said at the end."""
     parts: list[RenderableType] = []
     for accuracy in accuracies:

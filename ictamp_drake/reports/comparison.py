@@ -56,8 +56,8 @@ class Comparison:
     steps: Interval | None
 
 
-def compared(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparison]:
-    """Both strategies on each level, and on all levels when there are several; of `runs` see `regime.tabulated`."""
+def compare_strategies(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparison]:
+    """Both strategies on each level, and on all levels when there are several; of `runs` see `regime.tabulate_runs`."""
     first, second = (runs[runs["strategy"] == name] for name in (strategy, reference))
     pairs = first.merge(second, on=["level", "problem", "seed"], suffixes=("", "_reference"), validate="1:1")
     levels = list(runs["level"].cat.categories)
@@ -102,7 +102,7 @@ def even_split(differences: Sequence[int]) -> float:
     return min(1.0, float(chance[np.abs(sums) >= abs(sum(differences))].sum()))
 
 
-def adjusted(p: Sequence[float]) -> list[float]:
+def adjust_for_multiplicity(p: Sequence[float]) -> list[float]:
     """The same probabilities when all of them are looked at (Holm 1979), for whatever way they depend on each other."""
     order = np.argsort(p, kind="stable")
     raised = np.maximum.accumulate(np.asarray(p)[order] * np.arange(len(p), 0, -1)).clip(max=1.0)

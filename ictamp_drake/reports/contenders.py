@@ -41,17 +41,19 @@ class BaseRates:
             if (rate := getattr(self, skill)) is not None:
                 check_range(f"base-rate.{skill}", rate, 0, 1)
 
-    def known(self, checkpoints: Path) -> "KnownRates":
+    def complete(self, checkpoints: Path) -> "KnownRates":
         """All rates, from checkpoints where they are not given.
 
         Raises:
             IctampError: see `checkpoint.load`; or a checkpoint does not say.
         """
         given = {skill: getattr(self, skill) for skill in SKILLS}
-        return KnownRates({skill: _noted(checkpoints, skill) if r is None else r for skill, r in given.items()})
+        return KnownRates(
+            {skill: _read_base_rate(checkpoints, skill) if r is None else r for skill, r in given.items()}
+        )
 
 
-def _noted(checkpoints: Path, skill: str) -> float:
+def _read_base_rate(checkpoints: Path, skill: str) -> float:
     metrics = load(checkpoints, "estimator", skill).metrics
     if "base_rate" not in metrics:
         path = checkpoints / name_of("estimator", skill)

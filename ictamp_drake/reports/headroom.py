@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from ictamp_drake.reports.comparison import PROBLEM, compared
+from ictamp_drake.reports.comparison import PROBLEM, compare_strategies
 from ictamp_drake.reports.markdown import table
-from ictamp_drake.reports.verdicts import shown_ratio
+from ictamp_drake.reports.verdicts import format_ratio
 
 NAME = ""
 """Of the bound among the strategies, none of which has it."""
@@ -22,7 +22,7 @@ def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) 
     """The bound as a multiple of each strategy's time, a column a level; in Markdown, nothing of a single strategy.
 
     Args:
-        runs: see `regime.tabulated`, with times as `pace.at_equal_pace` has them.
+        runs: see `regime.tabulate_runs`, with times as `pace.scale_to_equal_pace` has them.
         bound: one of the functions below.
     """
     strategies = list(runs["strategy"].cat.categories)
@@ -30,9 +30,9 @@ def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) 
         return []
     without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # its times are at equal pace already
     both = pd.concat([runs, without_pace])
-    comparisons = {name: compared(both, NAME, name) for name in strategies}
+    comparisons = {name: compare_strategies(both, NAME, name) for name in strategies}
     levels = [each.level for each in comparisons[strategies[0]]]
-    rows = [[name, *(shown_ratio(each.time) for each in of)] for name, of in comparisons.items()]
+    rows = [[name, *(format_ratio(each.time) for each in of)] for name, of in comparisons.items()]
     return table(["strategy", *levels], rows)
 
 
@@ -42,7 +42,7 @@ def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
     return quickest_first.drop_duplicates([*PROBLEM, "seed"])
 
 
-def executed(runs: pd.DataFrame) -> pd.DataFrame:
+def quickest_executions(runs: pd.DataFrame) -> pd.DataFrame:
     """Of every problem and seed the found plan that is the quickest to execute, and the time that this takes."""
     plans = runs[runs["solved"] & runs["replay"].notna()]
     plans = plans.assign(seconds=plans["executions"] * plans["replay"]).sort_values("seconds", kind="stable")

@@ -9,7 +9,7 @@ def table(headings: Sequence[object], rows: Iterable[Sequence[object]], left: in
     return [f"| {' | '.join(map(str, cells))} |" for cells in (headings, rule, *rows)]
 
 
-def filled(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> tuple[list[str], list[list[str]]]:
+def drop_empty_columns(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> tuple[list[str], list[list[str]]]:
     """Headings and rows without the columns that hold nothing, in which every row has "-"."""
     kept = [number for number in range(len(headings)) if any(cells[number] != "-" for cells in rows)]
     return [headings[number] for number in kept], [[cells[number] for number in kept] for cells in rows]

@@ -4,31 +4,31 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from ictamp_drake.reports.comparison import compared
+from ictamp_drake.reports.comparison import compare_strategies
 
 
-def at_equal_pace(runs: pd.DataFrame, reference: str) -> pd.DataFrame:
+def scale_to_equal_pace(runs: pd.DataFrame, reference: str) -> pd.DataFrame:
     """Times as if the machine had been as fast as when the reference ran, level by level.
 
     They are divided by `Comparison.pace`, and stay as measured where that is not known. Of an unsolved run, the time
     limit stays what it was.
 
     Args:
-        runs: see `regime.tabulated`.
+        runs: see `regime.tabulate_runs`.
         reference: a strategy.
     """
     scale = pd.Series(1.0, runs.index)
     for strategy in runs["strategy"].cat.categories.drop(reference):
-        for each in compared(runs, strategy, reference):
+        for each in compare_strategies(runs, strategy, reference):
             if each.pace is not None:
                 scale[(runs["strategy"] == strategy) & (runs["level"] == each.level)] = 1 / each.pace.value
     return runs.assign(
         seconds=runs["seconds"] * scale,
         counted=runs["counted"].where(~runs["solved"], runs["seconds"] * scale),
         replay=runs["replay"] * scale,
-        stages=runs["stages"].combine(scale, _scaled),
+        stages=runs["stages"].combine(scale, _scale_stages),
     )
 
 
-def _scaled(stages: Mapping[str, float], scale: float) -> dict[str, float]:
+def _scale_stages(stages: Mapping[str, float], scale: float) -> dict[str, float]:
     return {stage: scale * seconds for stage, seconds in stages.items()}

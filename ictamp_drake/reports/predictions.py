@@ -12,10 +12,10 @@ from ictamp_drake.core.types import FloatArray, Skeleton, State
 from ictamp_drake.learning.cases import Case
 from ictamp_drake.learning.dataset import scene
 from ictamp_drake.reports.contenders import Contender
-from ictamp_drake.symbolic.continuation import continued
+from ictamp_drake.symbolic.continuation import continue_plan
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goals import parse_goal
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
 
 
@@ -33,33 +33,33 @@ class Prediction(NamedTuple):
     estimates: FloatArray
 
 
-def by_scene(cases: Sequence[Case]) -> list[list[Case]]:
+def group_by_scene(cases: Sequence[Case]) -> list[list[Case]]:
     """The cases of each scene."""
     ordered = sorted(cases, key=lambda case: case.scene)
     return [list(group) for _, group in groupby(ordered, key=lambda case: case.scene)]
 
 
-def predicted(cases: Sequence[Case], contenders: Mapping[str, Contender]) -> list[Prediction]:
+def ask_contenders(cases: Sequence[Case], contenders: Mapping[str, Contender]) -> list[Prediction]:
     """Ask all contenders about the cases of one scene.
 
     Left out is a case whose action does not apply in H(c): rows hold 32-bit numbers, which can tip a predicate over.
     """
     world = World(scene(cases[0].spec))
-    planned = list(_planned(world, cases))
+    planned = list(_plan_cases(world, cases))
     options = [(case.c, plan) for case, plan in planned]
     estimates = np.array([config.create(world).estimate(options) for config in contenders.values()])
     return [Prediction(case, plan, each) for (case, plan), each in zip(planned, estimates.T, strict=True)]
 
 
-def _planned(world: World, cases: Sequence[Case]) -> Iterator[tuple[Case, Skeleton]]:
+def _plan_cases(world: World, cases: Sequence[Case]) -> Iterator[tuple[Case, Skeleton]]:
     """Each case with its plan."""
-    spec, abstraction = world.spec, Abstraction(world)
+    spec, abstraction = world.spec, SceneAbstraction(world)
     goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"scene {cases[0].scene}: goal")
     domains: dict[State, Domain] = {}
     for case in cases:
         state = abstraction(case.c)
         try:
-            yield case, continued(_domain(world, state, domains), state, case.action, goal)
+            yield case, continue_plan(_domain(world, state, domains), state, case.action, goal)
         except (IctampError, ValueError):
             continue
 

@@ -25,7 +25,7 @@ class Regime:
 
     Attributes:
         name: of the folder.
-        runs: a row a run, see `tabulated`.
+        runs: a row a run, see `tabulate_runs`.
         about: how they were made: what it is, and its value.
         time_limit: of every run [s]; None when it is not known or not the same for all.
     """
@@ -58,11 +58,11 @@ def read_regime(folder: Path) -> Regime:
     config = read_config(folder / CONFIG) if (folder / CONFIG).exists() else {}
     limits = {float(value) for value in _values(config, "time_limit") if isinstance(value, int | float)}
     limit = limits.pop() if len(limits) == 1 else None
-    about = {"runs": _counted(records, finished), **_about(config, finished)}
-    return Regime(folder.resolve().name, tabulated(finished, limit), about, limit)
+    about = {"runs": _count_runs(records, finished), **_describe_runs(config, finished)}
+    return Regime(folder.resolve().name, tabulate_runs(finished, limit), about, limit)
 
 
-def tabulated(records: Sequence[Record], time_limit: float | None = None) -> pd.DataFrame:
+def tabulate_runs(records: Sequence[Record], time_limit: float | None = None) -> pd.DataFrame:
     """A row a run, sorted by level, strategy, problem and seed.
 
     Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended, of processor time where the
@@ -123,7 +123,7 @@ def _values(config: Any, key: str) -> Iterator[Any]:
             yield from _values(value, key)
 
 
-def _counted(records: Sequence[Record], finished: Sequence[Record]) -> str:
+def _count_runs(records: Sequence[Record], finished: Sequence[Record]) -> str:
     broken = sum(record.error is not None and not record.solved for record in finished)
     stopped = len(records) - len(finished)
     parts = [str(len(finished))]
@@ -132,24 +132,24 @@ def _counted(records: Sequence[Record], finished: Sequence[Record]) -> str:
     return "; ".join(parts)
 
 
-def _about(config: dict[str, Any], records: Sequence[Record]) -> dict[str, str]:
+def _describe_runs(config: dict[str, Any], records: Sequence[Record]) -> dict[str, str]:
     """Program, commit, machine, load and limits; no paths, which differ between machines."""
     load = [record.load[0] for record in records if record.load]
     named = {
-        "program": _listed(config, "program"),
-        "commit": re.sub(r"\b([0-9a-f]{10})[0-9a-f]{30}\b", r"\1", _listed(config, "commit")),
-        "drake": _listed(config, "drake"),
-        "cores": _listed(config, "cores"),
-        "workers": _listed(config, "workers"),
+        "program": _list_values(config, "program"),
+        "commit": re.sub(r"\b([0-9a-f]{10})[0-9a-f]{30}\b", r"\1", _list_values(config, "commit")),
+        "drake": _list_values(config, "drake"),
+        "cores": _list_values(config, "cores"),
+        "workers": _list_values(config, "workers"),
         "load": f"{np.median(load):.1f} ({min(load):.1f} to {max(load):.1f})" if load else "",
-        "time limit of a run [s]": _listed(config, "time_limit"),
-        "limit of low-level steps": _listed(config, "max_steps"),
+        "time limit of a run [s]": _list_values(config, "time_limit"),
+        "limit of low-level steps": _list_values(config, "max_steps"),
         "seeds": ", ".join(str(seed) for seed in sorted({record.seed for record in records})),
     }
     return {name: value or "not known" for name, value in named.items()}
 
 
-def _listed(config: dict[str, Any], key: str) -> str:
+def _list_values(config: dict[str, Any], key: str) -> str:
     """Its different values, in order of appearance; empty when there is none."""
     shown = (
         "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)

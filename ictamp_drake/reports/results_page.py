@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from ictamp_drake.reports import results_table, search_tables, verdicts
-from ictamp_drake.reports.comparison import Comparison, adjusted, compared
-from ictamp_drake.reports.headroom import executed, headroom, virtual_best
+from ictamp_drake.reports.comparison import Comparison, adjust_for_multiplicity, compare_strategies
+from ictamp_drake.reports.headroom import headroom, quickest_executions, virtual_best
 from ictamp_drake.reports.markdown import table
 from ictamp_drake.reports.published import TIME_LIMIT
 from ictamp_drake.reports.regime import Regime
@@ -95,8 +95,8 @@ class Chapter:
     def create(cls, regime: Regime, reference: str, pictures: Mapping[str, str]) -> "Chapter":
         """Hold every strategy of the regime against one of them."""
         rivals = (name for name in regime.strategies if name != reference)
-        comparisons = [each for name in rivals for each in compared(regime.runs, name, reference)]
-        raised = iter(adjusted([each.p for each in comparisons if each.pairs]))
+        comparisons = [each for name in rivals for each in compare_strategies(regime.runs, name, reference)]
+        raised = iter(adjust_for_multiplicity([each.p for each in comparisons if each.pairs]))
         p = [next(raised) if each.pairs else each.p for each in comparisons]
         return cls(regime, reference, comparisons, p, pictures)
 
@@ -117,13 +117,13 @@ def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> s
     about = TABLE_1.format(latex=files["table_1.tex"], csv=files["table_1.csv"])
     parts = [
         ["# Results", "", "This page, its tables and its pictures are made by", "", "```", typed, "```", ""],
-        [*_made(chapters), ""],
+        [*_conditions_table(chapters), ""],
         _section("What is and is not significant", PAIRED, chapters, _significance),
         _figure("Scenes", SCENES, "Figure 2", files["figure_2"]),
         _section("Table 1", about, chapters, _table_1),
-        ["### The paper's own", "", PAPER, "", *results_table.markdown(results_table.published()), ""],
+        ["### The paper's own", "", PAPER, "", *results_table.markdown(results_table.published_rows()), ""],
         _section("Success over time and steps", "", chapters, lambda of: of.picture("success")),
-        _section("Paired comparisons", "", chapters, _paired),
+        _section("Paired comparisons", "", chapters, _paired_table),
         _section("What is left to gain", HEADROOM, chapters, _headroom),
         _figure("A search over time", SEARCH, "Figure 1", files.get("figure_1")),
         _section("Search behaviour", EFFORT, chapters, lambda of: search_tables.effort(of.regime.runs)),
@@ -154,7 +154,7 @@ def _image(what: str, link: str) -> str:
     return f"![{what}]({quote(link)})"
 
 
-def _made(chapters: Sequence[Chapter]) -> list[str]:
+def _conditions_table(chapters: Sequence[Chapter]) -> list[str]:
     """A column a regime: how its runs were made."""
     what = dict.fromkeys(name for chapter in chapters for name in chapter.regime.about)
     rows = [[name, *(chapter.regime.about.get(name, "-") for chapter in chapters)] for name in what]
@@ -174,7 +174,7 @@ def _table_1(chapter: Chapter) -> list[str]:
     return [f"In `mean time, all`, unsolved runs count with {counted}.", "", *results_table.markdown(rows)]
 
 
-def _paired(chapter: Chapter) -> list[str]:
+def _paired_table(chapter: Chapter) -> list[str]:
     if not chapter.comparisons:
         return []
     return [f"Reference: `{chapter.reference}`.", "", *verdicts.rows(chapter.comparisons, chapter.p)]
@@ -185,6 +185,6 @@ def _stages(chapter: Chapter) -> list[str]:
 
 
 def _headroom(chapter: Chapter) -> list[str]:
-    bounds = {"Virtual best": virtual_best, "Plan executed": executed}
+    bounds = {"Virtual best": virtual_best, "Plan executed": quickest_executions}
     found = {name: headroom(chapter.regime.runs, bound) for name, bound in bounds.items()}
     return [line for name, rows in found.items() if rows for line in (f"**{name}**", "", *rows, "")][:-1]

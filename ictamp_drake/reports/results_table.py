@@ -10,7 +10,7 @@ import pandas as pd
 from scipy.special import ndtri
 
 from ictamp_drake.reports.accuracy import LEVEL, Interval
-from ictamp_drake.reports.markdown import filled, table
+from ictamp_drake.reports.markdown import drop_empty_columns, table
 from ictamp_drake.reports.published import TABLE_1
 
 HEADINGS = (
@@ -32,7 +32,7 @@ PUBLISHED = "published"
 
 
 @dataclass(frozen=True)
-class Row:
+class ResultRow:
     """A strategy on a level. Means and medians are over the solved runs, nan where there is none.
 
     Attributes:
@@ -65,16 +65,16 @@ class Row:
     duration_s: float = math.nan
 
 
-def table_1(source: str, runs: pd.DataFrame) -> list[Row]:
-    """A row a level and strategy that ran there; of `runs` see `regime.tabulated`."""
+def table_1(source: str, runs: pd.DataFrame) -> list[ResultRow]:
+    """A row a level and strategy that ran there; of `runs` see `regime.tabulate_runs`."""
     groups = runs.groupby(["level", "strategy"], observed=True)
     return [_row(source, str(level), str(strategy), group) for (level, strategy), group in groups]
 
 
-def _row(source: str, level: str, strategy: str, runs: pd.DataFrame) -> Row:
+def _row(source: str, level: str, strategy: str, runs: pd.DataFrame) -> ResultRow:
     solved = runs[runs["solved"]]
     problems = runs["problem"].nunique()
-    return Row(
+    return ResultRow(
         source=source,
         level=level,
         strategy=strategy,
@@ -92,10 +92,10 @@ def _row(source: str, level: str, strategy: str, runs: pd.DataFrame) -> Row:
     )
 
 
-def published() -> list[Row]:
+def published_rows() -> list[ResultRow]:
     """The paper's Table 1, with our intervals."""
     return [
-        Row(
+        ResultRow(
             source=PUBLISHED,
             level=row.level,
             strategy=row.strategy,
@@ -127,30 +127,30 @@ def wilson(share: float, problems: int) -> Interval:
     return Interval(share, max(0.0, centre - half), min(1.0, centre + half))
 
 
-def shown(value: float, digits: int = 1) -> str:
+def format_number(value: float, digits: int = 1) -> str:
     """With so many digits after the point, "-" for nothing."""
     return "-" if math.isnan(value) else f"{value:.{digits}f}"
 
 
-def cells(row: Row) -> list[str]:
+def cells(row: ResultRow) -> list[str]:
     """What stands below `HEADINGS`."""
-    times = map(shown, (row.mean_s, row.median_s, row.all_mean_s))
-    steps = map(shown, (row.steps, row.median_steps, row.duration_s))
+    times = map(format_number, (row.mean_s, row.median_s, row.all_mean_s))
+    steps = map(format_number, (row.steps, row.median_steps, row.duration_s))
     share = f"{row.share.value:.0%} ({row.share.low:.0%} to {row.share.high:.0%})".replace("%", " %")
-    return [row.level, row.strategy, f"{row.solved} of {row.runs}", share, *times, shown(row.plans, 2), *steps]
+    return [row.level, row.strategy, f"{row.solved} of {row.runs}", share, *times, format_number(row.plans, 2), *steps]
 
 
-def markdown(rows: Sequence[Row]) -> list[str]:
+def markdown(rows: Sequence[ResultRow]) -> list[str]:
     """The lines of a table in Markdown; columns that hold nothing are left out."""
-    return table(*filled(HEADINGS, list(map(cells, rows))), left=2)
+    return table(*drop_empty_columns(HEADINGS, list(map(cells, rows))), left=2)
 
 
-def latex(rows: Sequence[Row]) -> str:
+def latex(rows: Sequence[ResultRow]) -> str:
     """A tabular for the package booktabs, with a rule between levels and a heading for each source."""
-    headings, body = filled(HEADINGS, list(map(cells, rows)))
+    headings, body = drop_empty_columns(HEADINGS, list(map(cells, rows)))
     lines = [rf"\begin{{tabular}}{{ll{'r' * (len(headings) - 2)}}}", r"\toprule", _line(headings)]
     for source, part in groupby(zip(rows, body, strict=True), key=lambda pair: pair[0].source):
-        lines += [r"\midrule", rf"\multicolumn{{{len(headings)}}}{{l}}{{\emph{{{_escaped(source)}}}}} \\"]
+        lines += [r"\midrule", rf"\multicolumn{{{len(headings)}}}{{l}}{{\emph{{{_escape_latex(source)}}}}} \\"]
         for level, group in groupby(part, key=lambda pair: pair[0].level):
             lines.append(r"\midrule")
             for number, (_, values) in enumerate(group):
@@ -158,7 +158,7 @@ def latex(rows: Sequence[Row]) -> str:
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
 
 
-def as_csv(rows: Sequence[Row]) -> str:
+def as_csv(rows: Sequence[ResultRow]) -> str:
     """All figures as they are."""
     bounds = ({"share_low": row.share.low, "share_high": row.share.high} for row in rows)
     values = [
@@ -168,10 +168,10 @@ def as_csv(rows: Sequence[Row]) -> str:
 
 
 def _line(values: Sequence[str]) -> str:
-    return " & ".join(map(_escaped, values)) + r" \\"
+    return " & ".join(map(_escape_latex, values)) + r" \\"
 
 
-def _escaped(text: str) -> str:
+def _escape_latex(text: str) -> str:
     """The text as LaTeX shows it."""
     words = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     return "".join(words.get(each, rf"\{each}" if each in "&%$#_{}" else each) for each in text)

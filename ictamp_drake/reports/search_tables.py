@@ -1,6 +1,6 @@
 """How strategies search: effort, failures and kinds of interference, as tables in Markdown.
 
-Runs are the rows of `regime.tabulated`.
+Runs are the rows of `regime.tabulate_runs`.
 """
 
 import math
@@ -12,7 +12,7 @@ import pandas as pd
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.reports.markdown import table
-from ictamp_drake.reports.results_table import shown
+from ictamp_drake.reports.results_table import format_number
 from ictamp_drake.scenes.spec import INTERFERENCES
 from ictamp_drake.viz.effort import seconds_by_stage
 
@@ -45,13 +45,13 @@ def _effort(runs: pd.DataFrame) -> list[str]:
     steps = int(runs["steps"].sum())
     seconds = seconds_by_stage(runs).reindex(columns=STEP_STAGES).to_numpy(np.float64)
     return [
-        shown(runs["plans"].mean(), 2),
+        format_number(runs["plans"].mean(), 2),
         str(runs["plans"].max()),
-        shown(runs["steps"].mean()),
+        format_number(runs["steps"].mean()),
         _share(int(runs["failed"].sum()), steps),
-        shown(np.nansum(seconds) * len(runs) / steps if steps else math.nan, 2),
-        shown((runs["steps"] / runs["length"].where(runs["length"] > 0)).median(), 2),
-        shown((runs["seconds"] / runs["replay"].where(runs["replay"] > 0)).median(), 2),
+        format_number(np.nansum(seconds) * len(runs) / steps if steps else math.nan, 2),
+        format_number((runs["steps"] / runs["length"].where(runs["length"] > 0)).median(), 2),
+        format_number((runs["seconds"] / runs["replay"].where(runs["replay"] > 0)).median(), 2),
     ]
 
 
@@ -60,12 +60,12 @@ def stages(runs: pd.DataFrame) -> list[str]:
     seconds = seconds_by_stage(runs)
     headings = ["level", "strategy", *(str(stage).replace("_", " ") for stage in seconds)]
     rows = zip(seconds.index, seconds.to_numpy(np.float64), strict=True)
-    return table(headings, [[*names, *(shown(mean, 2) for mean in means)] for names, means in rows], left=2)
+    return table(headings, [[*names, *(format_number(mean, 2) for mean in means)] for names, means in rows], left=2)
 
 
 def failures(runs: pd.DataFrame) -> list[str]:
     """Failed steps by cause, and which share of the strategy's steps they are; a column a strategy."""
-    counts = {name: _summed(group["failures"]) for name, group in runs.groupby("strategy", observed=True)}
+    counts = {name: _sum_failures(group["failures"]) for name, group in runs.groupby("strategy", observed=True)}
     steps = runs.groupby("strategy", observed=True)["steps"].sum()
     causes = [cause.name for cause in Failure if any(cause.name in of for of in counts.values())]
     causes += sorted({name for of in counts.values() for name in of} - set(causes))
@@ -85,17 +85,17 @@ def interference(runs: pd.DataFrame) -> list[str]:
         for kind in (PLAIN, *INTERFERENCES) if any(part["interference"]) else ():
             of = part[[kind in (kinds or (PLAIN,)) for kinds in part["interference"]]]
             if len(of):
-                rows.append([level, kind, *(_solved(of[of["strategy"] == name]) for name in strategies)])
+                rows.append([level, kind, *(_solved_cell(of[of["strategy"] == name]) for name in strategies)])
     return table(["level", "interference", *strategies], rows, left=2) if rows else []
 
 
-def _solved(runs: pd.DataFrame) -> str:
+def _solved_cell(runs: pd.DataFrame) -> str:
     solved = runs[runs["solved"]]
-    time = f", {shown(solved['seconds'].median())} s" if len(solved) else ""
+    time = f", {format_number(solved['seconds'].median())} s" if len(solved) else ""
     return f"{len(solved)} of {len(runs)}{time}" if len(runs) else "-"
 
 
-def _summed(failures: Iterable[dict[str, int]]) -> Counter[str]:
+def _sum_failures(failures: Iterable[dict[str, int]]) -> Counter[str]:
     return sum(map(Counter, failures), Counter[str]())
 
 

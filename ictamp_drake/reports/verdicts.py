@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ictamp_drake.reports.accuracy import Interval
 from ictamp_drake.reports.comparison import LEAST, Comparison
-from ictamp_drake.reports.markdown import filled, table
+from ictamp_drake.reports.markdown import drop_empty_columns, table
 
 SIGNIFICANT = 0.05
 
@@ -22,7 +22,7 @@ TITLES: dict[frozenset[int] | None, str] = {
     frozenset(): "No difference to `{}` shown",
     None: "No run in common with `{}`",
 }
-"""Of groups of comparisons by the signs of what is shown, see `_shown`; None where there is nothing to compare."""
+"""Of groups of comparisons by the signs of what is shown, see `_signs`; None where there is nothing to compare."""
 
 HEADINGS = (
     "level",
@@ -47,11 +47,11 @@ def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
 
     Args:
         comparisons: with the same reference.
-        p: their probabilities as `comparison.adjusted` has them.
+        p: their probabilities as `comparison.adjust_for_multiplicity` has them.
     """
     groups = {signs: defaultdict[str, list[str]](list) for signs in TITLES}
     for each, adjusted in zip(comparisons, p, strict=True):
-        shown = _shown(each, adjusted)
+        shown = _signs(each, adjusted)
         signs = frozenset(sign for sign, _ in shown) if each.pairs else None
         figures = f" ({', '.join(text for _, text in shown)})" if shown else ""
         groups[signs][each.strategy].append(each.level + figures)
@@ -66,7 +66,7 @@ def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
 
 def rows(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
     """The lines of a table in Markdown with everything that the summary rests on."""
-    return table(*filled(HEADINGS, [_cells(*each) for each in zip(comparisons, p, strict=True)]), left=2)
+    return table(*drop_empty_columns(HEADINGS, [_cells(*each) for each in zip(comparisons, p, strict=True)]), left=2)
 
 
 def verdict(interval: Interval | None, less: str, more: str) -> str:
@@ -78,7 +78,7 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
     return less if interval.high < 1 else more if interval.low > 1 else NOT_SHOWN
 
 
-def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
+def _signs(comparison: Comparison, p: float) -> list[tuple[int, str]]:
     """Every difference that is shown: 1 where the strategy is better and -1 where it is worse, and the figures."""
     shown = []
     if p < SIGNIFICANT:
@@ -88,9 +88,9 @@ def _shown(comparison: Comparison, p: float) -> list[tuple[int, str]]:
         shown.append((sign, f"{solves}, p = {probability(p)}".replace("= <", "<")))
     time, steps = verdict(comparison.time, *TIME), verdict(comparison.steps, *STEPS)
     if time in TIME:
-        shown.append((1 if time == TIME[0] else -1, f"{shown_ratio(comparison.time)} of the time"))
+        shown.append((1 if time == TIME[0] else -1, f"{format_ratio(comparison.time)} of the time"))
     if steps in STEPS:
-        shown.append((1 if steps == STEPS[0] else -1, f"{shown_ratio(comparison.steps)} of the steps"))
+        shown.append((1 if steps == STEPS[0] else -1, f"{format_ratio(comparison.steps)} of the steps"))
     return shown
 
 
@@ -104,10 +104,10 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
         probability(comparison.p),
         probability(p),
         str(comparison.both),
-        shown_ratio(comparison.pace),
-        shown_ratio(comparison.time),
+        format_ratio(comparison.pace),
+        format_ratio(comparison.time),
         verdict(comparison.time, *TIME),
-        shown_ratio(comparison.steps),
+        format_ratio(comparison.steps),
         verdict(comparison.steps, *STEPS),
     ]
 
@@ -117,7 +117,7 @@ def probability(p: float) -> str:
     return "< 0.0001" if p < 0.0001 else f"{p:.2g}"
 
 
-def shown_ratio(interval: Interval | None) -> str:
+def format_ratio(interval: Interval | None) -> str:
     """With its interval, "-" for none."""
     if interval is None:
         return "-"

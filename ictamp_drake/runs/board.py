@@ -101,7 +101,7 @@ class Board:
     def _say(self, slot: int, text: str) -> None:
         self._slots[slot].doing = text.encode()[: _TEXT - 1]
 
-    def running(self) -> Iterator[Running]:
+    def list_running(self) -> Iterator[Running]:
         """The problems that are being solved now."""
         for number, slot in enumerate(self._slots):
             if slot.running:

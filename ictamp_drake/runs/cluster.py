@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import ray
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.pool import Pool, isolated
+from ictamp_drake.runs.pool import Pool, start_pool
 
 T = TypeVar("T")
 Start = tuple[Callable[..., None], tuple[Any, ...]]
@@ -25,7 +25,7 @@ class Cluster:
 
     def __init__(self, start: Start) -> None:
         self._start = ray.put(start)
-        self._task: Any = ray.remote(num_cpus=1, max_retries=RETRIES)(_isolated)
+        self._task: Any = ray.remote(num_cpus=1, max_retries=RETRIES)(_run_isolated)
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
         """What a process will return; TimeoutError after so many seconds, another exception when it died."""
@@ -33,7 +33,7 @@ class Cluster:
 
 
 @contextmanager
-def connected(address: str | None, start: Callable[..., None], *arguments: Any) -> Iterator[Cluster]:
+def connect_cluster(address: str | None, start: Callable[..., None], *arguments: Any) -> Iterator[Cluster]:
     """A connection to a cluster, which ends with the block, and with it all tasks that are not done.
 
     Raises:
@@ -57,7 +57,7 @@ def _knock(address: str | None) -> None:
             raise IctampError(f"ray-address is '{address}', where no cluster answers: {error}") from error
 
 
-def _isolated(start: Start, function: Callable[..., T], arguments: tuple[Any, ...], timeout: float) -> T:
+def _run_isolated(start: Start, function: Callable[..., T], arguments: tuple[Any, ...], timeout: float) -> T:
     """In Ray's own process, which must neither die nor hang: run the task in a process beside it."""
     return _pool(*start).submit(function, *arguments, timeout=timeout).result()
 
@@ -68,4 +68,4 @@ _kept = ExitStack()
 @cache
 def _pool(start: Callable[..., None], arguments: tuple[Any, ...]) -> Pool:
     """A process beside this one, which lasts as long."""
-    return _kept.enter_context(isolated(1, start, *arguments))
+    return _kept.enter_context(start_pool(1, start, *arguments))

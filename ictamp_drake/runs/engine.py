@@ -10,8 +10,8 @@ from typing import Any, Literal, Protocol, TypeVar
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.runs.inline import inline
-from ictamp_drake.runs.pool import isolated
+from ictamp_drake.runs.inline import start_inline
+from ictamp_drake.runs.pool import start_pool
 
 T = TypeVar("T")
 
@@ -47,7 +47,7 @@ class EngineConfig:
         if self.engine == "ray" and find_spec("ray") is None:
             raise IctampError("engine is 'ray', which is not installed: pip install \"ictamp_drake[ray]\"")
 
-    def here(self, tasks: int) -> int:
+    def count_local_workers(self, tasks: int) -> int:
         """Number of processes of this machine that so many tasks are given to."""
         return min(self.workers, tasks) if self.engine == "local" else 0
 
@@ -65,13 +65,13 @@ class EngineConfig:
             alone: whether tasks of this machine run in this process, where one that dies takes all others with it.
         """
         if self.is_inline(alone):
-            with inline(start, *arguments) as process:
+            with start_inline(start, *arguments) as process:
                 yield process
         elif self.engine == "local":
-            with isolated(self.here(tasks), start, *arguments) as pool:
+            with start_pool(self.count_local_workers(tasks), start, *arguments) as pool:
                 yield pool
         else:
-            from ictamp_drake.runs.cluster import connected  # noqa: PLC0415  (an optional package)
+            from ictamp_drake.runs.cluster import connect_cluster  # noqa: PLC0415  (an optional package)
 
-            with connected(self.ray_address, start, *arguments) as cluster:
+            with connect_cluster(self.ray_address, start, *arguments) as cluster:
                 yield cluster

@@ -42,7 +42,7 @@ _TIME = "-".join("[0-9]" * digits for digits in (8, 6))
 
 
 @contextmanager
-def opened(name: str, work: Mapping[str, Any], conduct: Conduct) -> Iterator[Path]:
+def open_run_folder(name: str, work: Mapping[str, Any], conduct: Conduct) -> Iterator[Path]:
     """The folder of a run, made or found again, for this process alone.
 
     Args:
@@ -55,15 +55,15 @@ def opened(name: str, work: Mapping[str, Any], conduct: Conduct) -> Iterator[Pat
         IctampError: when the folder is not a run, is a run of something else, is in use or cannot be written.
     """
     now = datetime.now().astimezone().isoformat(timespec="seconds")
-    session = {"started": now, "conduct": _plain(dataclasses.asdict(conduct)), **provenance()}
-    fixed = _plain(work)
+    session = {"started": now, "conduct": _to_plain(dataclasses.asdict(conduct)), **provenance()}
+    fixed = _to_plain(work)
     path = _path(name, conduct)
-    before = _before(path)
+    before = _read_previous_config(path)
     if before:
         check_same(path, before, fixed)
     fixed |= {key: before.get(key, {}) | fixed.get(key, {}) for key in WIDENED if key in fixed}
     make_folder(path)
-    with locked(path):
+    with lock_folder(path):
         drop_torn_line(path / RESULTS)
         sessions = [*before.get("sessions", []), session]
         write_whole(
@@ -86,7 +86,7 @@ def _path(name: str, conduct: Conduct) -> Path:
     return RUNS / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
-def _before(path: Path) -> dict[str, Any]:
+def _read_previous_config(path: Path) -> dict[str, Any]:
     """Configuration of the run to be continued, empty for a new folder."""
     if (path / CONFIG).exists():
         return read_config(path / CONFIG)
@@ -124,7 +124,7 @@ def check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) 
     Raises:
         IctampError: they differ; the sentence names the first option and both of its values.
     """
-    before, now = (_flat(_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
+    before, now = (_flatten(_keep_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
     for key in [*now, *before]:
         if before.get(key) != now.get(key):
             was, new = (json.dumps(values.get(key)) for values in (before, now))
@@ -134,7 +134,7 @@ def check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) 
             )
 
 
-def _common(values: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+def _keep_common(values: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
     """All that decides how problems are solved, of what may be added to those entries that are in both."""
     kept = {key: value for key, value in values.items() if key not in ("sessions", *WIDENED)}
     for key in WIDENED:
@@ -144,7 +144,7 @@ def _common(values: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, An
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
+def lock_folder(path: Path) -> Iterator[None]:
     """This process alone works in the folder, until it ends, however it ends.
 
     Raises:
@@ -160,15 +160,15 @@ def locked(path: Path) -> Iterator[None]:
         yield
 
 
-def _plain(values: Any) -> Any:
+def _to_plain(values: Any) -> Any:
     """The same in the types of YAML."""
     return json.loads(json.dumps(values, default=str))
 
 
-def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+def _flatten(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in values.items():
-        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
+        flat |= _flatten(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
     return flat
 
 

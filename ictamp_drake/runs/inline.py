@@ -36,7 +36,7 @@ class _OutOfTime(BaseException):
 
 
 @contextmanager
-def inline(start: Callable[..., None], *arguments: Any) -> Iterator[Inline]:
+def start_inline(start: Callable[..., None], *arguments: Any) -> Iterator[Inline]:
     """This process with one thread for each task, as workers have."""
     start(*arguments)
     with threadpool_limits(1):

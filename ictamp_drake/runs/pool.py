@@ -29,12 +29,12 @@ class Pool:
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
         """What a process will return; TimeoutError after so many seconds, another exception when it died."""
-        with _deaf_children():
+        with _shield_children():
             return self._processes.schedule(function, arguments, timeout=timeout)
 
 
 @contextmanager
-def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Iterator[Pool]:
+def start_pool(workers: int, start: Callable[..., None], *arguments: Any) -> Iterator[Pool]:
     """A pool of worker processes, which end with the block.
 
     Args:
@@ -54,7 +54,7 @@ def isolated(workers: int, start: Callable[..., None], *arguments: Any) -> Itera
 
 
 @contextmanager
-def _deaf_children() -> Iterator[None]:
+def _shield_children() -> Iterator[None]:
     """Processes and threads started here never see Ctrl-C, which a terminal sends to the whole family."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

@@ -10,11 +10,11 @@ from rich.console import Console
 
 from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.conduct import Conduct
-from ictamp_drake.runs.folder import RESULTS, opened
-from ictamp_drake.runs.progress import Progress, clock, counted
+from ictamp_drake.runs.folder import RESULTS, open_run_folder
+from ictamp_drake.runs.progress import Progress, format_clock, format_count
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
-from ictamp_drake.runs.table import report
+from ictamp_drake.runs.table import format_results
 from ictamp_drake.runs.worker import Job
 
 T = TypeVar("T")
@@ -26,7 +26,7 @@ class Work:
 
     Attributes:
         name: of the run's folder.
-        about: what the problems are and how they are solved, for config.yaml; see `folder.opened`.
+        about: what the problems are and how they are solved, for config.yaml; see `folder.open_run_folder`.
         jobs: to be done.
         conduct: how the run is carried out.
     """
@@ -54,19 +54,19 @@ def run(work: Work, console: Console) -> int:
     """Do what is not done yet, show the results of all; returns the exit code.
 
     Raises:
-        IctampError: see `folder.opened`, `Method.check` and `EngineConfig.check`.
+        IctampError: see `folder.open_run_folder`, `Method.check` and `EngineConfig.check`.
     """
     work.conduct.engine.check()
     for method in {job.strategy: job.method for job in work.jobs}.values():
         method.check()
-    with opened(work.name, work.about, work.conduct) as folder:
+    with open_run_folder(work.name, work.about, work.conduct) as folder:
         records = _records(work, folder)
         todo = [job for job in work.jobs if not (job.name in records and records[job.name].is_final)]
         done = len(work.jobs) - len(todo)
-        console.print(f"{folder}: {counted(len(todo), 'problem')} to solve, {done} done before", soft_wrap=True)
+        console.print(f"{folder}: {format_count(len(todo), 'problem')} to solve, {done} done before", soft_wrap=True)
         complete = not todo or _sweep(work, folder, todo, console)
         records = _records(work, folder)
-        console.print(report(list(records.values())))
+        console.print(format_results(list(records.values())))
         _print_where(console, work, folder, records, complete)
     if not complete:
         return INTERRUPTED
@@ -87,15 +87,15 @@ def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console) -> b
         complete = sweep(todo, folder, work.conduct, progress, alone=len(work.jobs) == 1)
     records = _records(work, folder)
     planning = sum(records[job.name].planning_time_s for job in todo if job.name in records)
-    console.print(_effort(time.monotonic() - start, planning, work.conduct.engine.here(len(todo))))
+    console.print(_effort(time.monotonic() - start, planning, work.conduct.engine.count_local_workers(len(todo))))
     return complete
 
 
 def _effort(seconds: float, planning: float, workers: int) -> str:
     """What a run took; the share tells what the harness and the artefacts cost."""
-    text = f"{clock(seconds)} for {planning:.0f} s of planning"
+    text = f"{format_clock(seconds)} for {planning:.0f} s of planning"
     if workers:
-        text += f", {100 * planning / seconds / workers:.1f} % of the time of {counted(workers, 'worker')}"
+        text += f", {100 * planning / seconds / workers:.1f} % of the time of {format_count(workers, 'worker')}"
     return text
 
 

@@ -75,7 +75,7 @@ class Progress:
         board = self._board
         if board is None:
             return Group()
-        running = list(board.running())
+        running = list(board.list_running())
         table = Table.grid(padding=(0, 2))
         for row in running:
             table.add_row(*self._row(row))
@@ -84,9 +84,9 @@ class Progress:
 
     def _heading(self, board: Board) -> Text:
         left = self._total - self._done
-        text = f"{self._done} of {self._total} done, {self._solved} solved, {left} left, {clock(self._elapsed)}"
+        text = f"{self._done} of {self._total} done, {self._solved} solved, {left} left, {format_clock(self._elapsed)}"
         if left and self._done > self._earlier:
-            text += f", about {clock(self._elapsed / (self._done - self._earlier) * left)} to go"
+            text += f", about {format_clock(self._elapsed / (self._done - self._earlier) * left)} to go"
         return Text(text + (", stopping after the steps under way" if board.stopping else ""), style="bold")
 
     @property
@@ -94,16 +94,16 @@ class Progress:
         return time.monotonic() - self._start
 
     def _row(self, running: Running) -> tuple[str, str, str, str, str]:
-        plans, steps = counted(running.plans, "plan"), counted(running.steps, "step")
-        return f"  {self._names[running.slot]}", plans, steps, clock(running.seconds), running.doing
+        plans, steps = format_count(running.plans, "plan"), format_count(running.steps, "step")
+        return f"  {self._names[running.slot]}", plans, steps, format_clock(running.seconds), running.doing
 
 
 def outcome(record: Record) -> Text:
     """One line about a problem that is over."""
-    effort = f"{counted(record.high_level_plans, 'plan')}, {counted(record.low_level_steps, 'step')}"
+    effort = f"{format_count(record.high_level_plans, 'plan')}, {format_count(record.low_level_steps, 'step')}"
     after = f"after {record.planning_time_s:.1f} s ({effort})"
     if record.solved:
-        line = Text(f"{record.name}  solved with {counted(record.plan_length or 0, 'skill')} {after}", "green")
+        line = Text(f"{record.name}  solved with {format_count(record.plan_length or 0, 'skill')} {after}", "green")
     elif record.error is None:
         line = Text(f"{record.name}  not solved {after}: {StopReason[record.stop_reason]}", "yellow")
     else:
@@ -113,12 +113,12 @@ def outcome(record: Record) -> Text:
     return line
 
 
-def counted(number: int, noun: str) -> str:
+def format_count(number: int, noun: str) -> str:
     """E.g. 1 plan, 2 plans."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
-def clock(seconds: float) -> str:
+def format_clock(seconds: float) -> str:
     """E.g. 0:07, 12:30, 1:02:03."""
     minutes, rest = divmod(int(seconds), 60)
     hours, minutes = divmod(minutes, 60)

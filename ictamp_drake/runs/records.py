@@ -133,23 +133,23 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         solved=result.solved,
         verified=result.verified,
         stop_reason=result.stop_reason.name,
-        planning_time_s=_rounded(solution.planning_time_s),
-        cpu_time_s=_rounded(solution.cpu_time_s),
-        kinematic_time_s=_rounded(solution.kinematic_time_s),
-        geometric_time_s=None if solution.geometric_time_s is None else _rounded(solution.geometric_time_s),
+        planning_time_s=_round_seconds(solution.planning_time_s),
+        cpu_time_s=_round_seconds(solution.cpu_time_s),
+        kinematic_time_s=_round_seconds(solution.kinematic_time_s),
+        geometric_time_s=None if solution.geometric_time_s is None else _round_seconds(solution.geometric_time_s),
         high_level_plans=result.high_level_plans,
         low_level_steps=result.low_level_steps,
         steps_by_depth=result.steps_by_depth,
         plan_length=None if plan is None else len(plan),
-        plan_duration_s=None if plan is None else _rounded(duration(plan)),
-        failures=_named(result.failures),
-        rejections=_named(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
+        plan_duration_s=None if plan is None else _round_seconds(duration(plan)),
+        failures=_to_names(result.failures),
+        rejections=_to_names(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
         seconds_by_stage={
-            "setup": _rounded(solution.setup_time_s),
-            **{stage: _rounded(seconds) for stage, seconds in result.seconds_by_stage.items()},
+            "setup": _round_seconds(solution.setup_time_s),
+            **{stage: _round_seconds(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
-        replay_time_s=None if solution.execution_time_s is None else _rounded(solution.execution_time_s),
-        blocked={str(report.action): _named(report.refusals) for report in result.blocked},
+        replay_time_s=None if solution.execution_time_s is None else _round_seconds(solution.execution_time_s),
+        blocked={str(report.action): _to_names(report.refusals) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
     )
 
@@ -228,7 +228,7 @@ def _fits(value: Any, hint: Any) -> bool:
     return type(value) in ((int, float) if hint is float else (hint,))
 
 
-def _named(counts: Counter[Failure]) -> dict[str, int]:
+def _to_names(counts: Counter[Failure]) -> dict[str, int]:
     return {failure.name: count for failure, count in counts.most_common()}
 
 
@@ -236,5 +236,5 @@ def _causes(counts: Mapping[str, int]) -> dict[Failure, int]:
     return {Failure[name]: count for name, count in counts.items()}
 
 
-def _rounded(seconds: float) -> float:
+def _round_seconds(seconds: float) -> float:
     return round(seconds, 4)

@@ -68,29 +68,29 @@ class _Sweep:
 
     def run(self, engine: Engine) -> None:
         """Hand all jobs to the engine, wait for them and tell what comes of them."""
-        pending = {self._submitted(engine, slot): slot for slot in range(len(self.jobs))}
+        pending = {self._submit(engine, slot): slot for slot in range(len(self.jobs))}
         while pending and (self.shared or not self.board.stopping):
             done = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED).done
-            finished = [self._finished(future, pending.pop(future)) for future in done]
-            self.watch(self.board, [self._kept(each) for each in finished if each is not None])
+            finished = [self._collect(future, pending.pop(future)) for future in done]
+            self.watch(self.board, [self._keep(each) for each in finished if each is not None])
             for each in finished:
                 if each is not None and each.pages is not None:
                     self._make_pages(engine, each.record, each.pages)
 
-    def _submitted(self, engine: Engine, slot: int) -> Future[Finished | None]:
+    def _submit(self, engine: Engine, slot: int) -> Future[Finished | None]:
         job = self.jobs[slot]
         timeout = job.method.time_limit + self.conduct.grace
         task = begin_job if self.inline else run_job
         return engine.submit(task, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
 
-    def _finished(self, future: Future[Finished | None], slot: int) -> Finished | None:
+    def _collect(self, future: Future[Finished | None], slot: int) -> Finished | None:
         """What came of a job, or what is known of one that came to nothing."""
         try:
             return future.result()
         except Exception as error:
-            return Finished(self._broken(slot, error), {})
+            return Finished(self._record_breakdown(slot, error), {})
 
-    def _kept(self, finished: Finished) -> Record:
+    def _keep(self, finished: Finished) -> Record:
         """Write what came of a job."""
         folder = self.folder / finished.record.name
         shutil.rmtree(folder, ignore_errors=True)
@@ -110,14 +110,16 @@ class _Sweep:
             append(broken, self.folder / RESULTS)
             self.watch(self.board, [broken])
 
-    def _broken(self, slot: int, error: Exception) -> Record:
+    def _record_breakdown(self, slot: int, error: Exception) -> Record:
         self.board.finish(slot)
         job = self.jobs[slot]
         if isinstance(error, TimeoutError):
             seconds = job.method.time_limit + self.conduct.grace
-            return job.broken(HUNG, seconds, f"ended after {seconds:g} s")
+            return job.make_failure_record(HUNG, seconds, f"ended after {seconds:g} s")
         code = getattr(error, "exitcode", None)
-        return job.broken(CRASHED, self.board.seconds(slot), f"the process died: {error!r}, exit code {code}")
+        return job.make_failure_record(
+            CRASHED, self.board.seconds(slot), f"the process died: {error!r}, exit code {code}"
+        )
 
 
 def _write(files: Mapping[str, bytes], folder: Path) -> None:

@@ -18,7 +18,7 @@ LEGEND = (
 )
 
 
-def report(records: Sequence[Record]) -> Group:
+def format_results(records: Sequence[Record]) -> Group:
     """Everything that is said at the end of a run."""
     parts: list[RenderableType] = [Text(), results(records), Text(LEGEND, "dim")]
     if failures := sum((Counter(record.failures) for record in records), Counter[str]()):
@@ -26,7 +26,7 @@ def report(records: Sequence[Record]) -> Group:
         parts += [Text(), _failures(failures, steps)]
     for record in records:
         if not record.solved and (record.error is not None or not record.strategy):
-            parts += [Text(), *unsolved(record)]
+            parts += [Text(), *explain_unsolved(record)]
     return Group(*parts)
 
 
@@ -85,7 +85,7 @@ def _failures(failures: Counter[str], steps: int) -> Table:
     return table
 
 
-def unsolved(record: Record) -> Iterator[Text]:
+def explain_unsolved(record: Record) -> Iterator[Text]:
     """Why a problem was not solved: what stood in the way of the actions that never succeeded."""
     explanation = record.explanation
     yield Text(f"{record.problem}: {explanation.reason}", "bold")

@@ -71,7 +71,7 @@ class Job:
         """Of its record and folder."""
         return run_name(self.problem.name, self.strategy, self.method.seed)
 
-    def broken(self, reason: str, seconds: float, error: str) -> Record:
+    def make_failure_record(self, reason: str, seconds: float, error: str) -> Record:
         """The record of a job that did not come to its end."""
         return Record(
             problem=self.problem.name,
@@ -133,12 +133,12 @@ def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
 
 def _load_modules(learned: bool) -> None:
     if learned:
-        with _without_garbage_collection():  # which finds nothing, and takes a sixth of the time
+        with _pause_garbage_collection():  # which finds nothing, and takes a sixth of the time
             import ictamp_drake.learning.models  # noqa: F401, PLC0415
 
 
 @contextmanager
-def _without_garbage_collection() -> Iterator[None]:
+def _pause_garbage_collection() -> Iterator[None]:
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -181,7 +181,7 @@ def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
         if artefacts == "all":
             pages = partial(_pages, slot, solution, job.problem.name)
     except Exception:
-        record = record or job.broken(CRASHED, board.seconds(slot), "")
+        record = record or job.make_failure_record(CRASHED, board.seconds(slot), "")
         record = replace(record, error=traceback.format_exc())
     if pages is None:
         board.finish(slot)

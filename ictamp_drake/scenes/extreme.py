@@ -68,18 +68,18 @@ class _Cast(NamedTuple):
     bystanders: dict[str, Kinds]
     tipped: frozenset[str]
 
-    def those(self, kind: str) -> list[str]:
+    def list_by_kind(self, kind: str) -> list[str]:
         """The bystanders of that kind of interference."""
         return [name for name, kinds in self.bystanders.items() if kind in kinds]
 
-    def to_clear(self) -> list[str]:
+    def find_to_clear(self) -> list[str]:
         """The foot of the second tower, when it is on the rack already and the stacked bystander on it."""
         tower = self.towers[1]
-        return [tower[0]] if self.those("stacked") and self.tipped.isdisjoint(tower) else []
+        return [tower[0]] if self.list_by_kind("stacked") and self.tipped.isdisjoint(tower) else []
 
-    def barred(self) -> list[str]:
+    def find_barred(self) -> list[str]:
         """The lying box of one tower, when all boxes of the other are in one that stands in the hand's way to it."""
-        if self.to_clear():
+        if self.find_to_clear():
             return []
         pairs = self.towers, self.towers[::-1]
         return [name for own, other in pairs if self.tipped.isdisjoint(other) for name in self.tipped.intersection(own)]
@@ -92,12 +92,14 @@ def make_extreme(number: int, seed: int, stream: Stream) -> SceneSpec:
     rack_spots = None
     while rack_spots is None:
         cast = _draw_cast(kinds, rng)
-        on_table, on_rack = (_stacks(columns, cast, rng) for columns in (_on_table(cast, rng), _on_rack(cast)))
+        on_table, on_rack = (
+            _stacks(columns, cast, rng) for columns in (_stacks_on_table(cast, rng), _stacks_on_rack(cast))
+        )
         rack_spots = _rack_spots(on_rack, _radii(cast.towers, [*on_table, *on_rack]), rng)
     boxes = dict[str, BoxSpec]()
     spots = _table_spots(on_table, cast, rng)
     for stack, spot in zip(on_table, spots, strict=True):
-        boxes |= boxes_of(_turned(stack, spot, spots[0]) if stack[0].name in cast.barred() else stack, spot)
+        boxes |= boxes_of(_turn_stack(stack, spot, spots[0]) if stack[0].name in cast.find_barred() else stack, spot)
     for stack, spot in zip(on_rack, rack_spots, strict=True):
         boxes |= boxes_of(stack, spot, SUPPORTS["rack"].position[2])
     return SceneSpec(
@@ -127,22 +129,22 @@ def _draw_cast(kinds: tuple[Kinds, ...], rng: np.random.Generator) -> _Cast:
     return _Cast(towers, bystanders, frozenset(tipped))
 
 
-def _on_rack(cast: _Cast) -> list[list[str]]:
+def _stacks_on_rack(cast: _Cast) -> list[list[str]]:
     """Boxes on each other on the rack."""
     alone = [[name] for name, kinds in cast.bystanders.items() if not {"stacked", "behind"} & {*kinds}]
-    return alone + [[foot, *cast.those("stacked")] for foot in cast.to_clear()]
+    return alone + [[foot, *cast.list_by_kind("stacked")] for foot in cast.find_to_clear()]
 
 
-def _on_table(cast: _Cast, rng: np.random.Generator) -> list[list[str]]:
+def _stacks_on_table(cast: _Cast, rng: np.random.Generator) -> list[list[str]]:
     """Boxes on each other on the table: one or two towers first, then lying boxes of the goal, then what is behind."""
     towers = sorted(cast.towers, key=lambda tower: not cast.tipped.isdisjoint(tower))
-    packed = [name for name in itertools.chain(*towers) if name not in cast.to_clear()]
+    packed = [name for name in itertools.chain(*towers) if name not in cast.find_to_clear()]
     standing, lying = ([name for name in packed if (name in cast.tipped) is tipped] for tipped in (False, True))
-    cut = len(towers[0]) if cast.barred() else int(rng.integers(2, len(standing) + 1))
+    cut = len(towers[0]) if cast.find_barred() else int(rng.integers(2, len(standing) + 1))
     columns = [column for column in (standing[:cut], standing[cut:]) if column]
-    if not cast.to_clear():
-        columns[rng.integers(len(columns))] += cast.those("stacked")
-    return columns + [[name] for name in (*lying, *cast.those("behind"))]
+    if not cast.find_to_clear():
+        columns[rng.integers(len(columns))] += cast.list_by_kind("stacked")
+    return columns + [[name] for name in (*lying, *cast.list_by_kind("behind"))]
 
 
 def _stacks(columns: Sequence[Sequence[str]], cast: _Cast, rng: np.random.Generator) -> list[Stack]:
@@ -151,14 +153,14 @@ def _stacks(columns: Sequence[Sequence[str]], cast: _Cast, rng: np.random.Genera
 
 def _table_spots(stacks: Sequence[Stack], cast: _Cast, rng: np.random.Generator) -> list[Spot]:
     """Centres of the stacks on the table; the barred box and about half of the others are next to the first."""
-    feet, behind = [stack[0].name for stack in stacks], cast.those("behind")
+    feet, behind = [stack[0].name for stack in stacks], cast.list_by_kind("behind")
     zones = [Zone.TOWER, *(Zone.BEHIND if foot in behind else Zone.FRONT for foot in feet[1:])]
-    close = [foot in cast.barred() or bool(rng.integers(2)) for foot in feet]
+    close = [foot in cast.find_barred() or bool(rng.integers(2)) for foot in feet]
     nearby = [zone is Zone.FRONT and near for zone, near in zip(zones, close, strict=True)]
     return place_stacks([outline_radius(stack) for stack in stacks], zones, nearby, rng)
 
 
-def _turned(stack: Stack, spot: Spot, tower: Spot) -> Stack:
+def _turn_stack(stack: Stack, spot: Spot, tower: Spot) -> Stack:
     """The lying box with its narrow side, across which it is gripped, in the direction of the tower."""
     (piece,) = stack
     roll, pitch, _ = piece.rotation

@@ -143,7 +143,7 @@ def _free_spot(
     radius = radii[len(spots)]
     taken = list(zip(spots, radii, strict=False))
     for _ in range(_TRIES):
-        spot = _next_to(spots[0], radii[0] + radius, rng) if near else _anywhere(zone, rng)
+        spot = _spot_next_to(spots[0], radii[0] + radius, rng) if near else _random_spot(zone, rng)
         clear = all(math.dist(spot, other) >= radius + other_radius + STACK_GAP for other, other_radius in taken)
         if clear and fits(spot, radius, zone):
             return spot
@@ -165,11 +165,11 @@ def rack_distance(spot: Spot) -> float:
     return math.hypot(*(max(low - v, 0.0, v - high) for v, (low, high) in zip(spot, RACK_FOOTPRINT, strict=True)))
 
 
-def _anywhere(zone: Zone, rng: np.random.Generator) -> Spot:
+def _random_spot(zone: Zone, rng: np.random.Generator) -> Spot:
     (x_low, x_high), (y_low, y_high) = zone.value
     return round(rng.uniform(x_low, x_high), 4), round(rng.uniform(y_low, y_high), 4)
 
 
-def _next_to(tower: Spot, contact: float, rng: np.random.Generator) -> Spot:
+def _spot_next_to(tower: Spot, contact: float, rng: np.random.Generator) -> Spot:
     distance, angle = contact + rng.uniform(STACK_GAP, 4 * STACK_GAP), rng.uniform(-math.pi, math.pi)
     return round(tower[0] + distance * math.cos(angle), 4), round(tower[1] + distance * math.sin(angle), 4)

@@ -50,7 +50,7 @@ SIZES: dict[str, Vector] = {
     "purple_box": (0.04, 0.07, 0.1),
 }
 
-COLOURS: dict[str, Vector] = {
+COLORS: dict[str, Vector] = {
     "yellow_box": (0.95, 0.8, 0.15),
     "red_box": (0.8, 0.12, 0.1),
     "cyan_box": (0.15, 0.75, 0.8),
@@ -70,7 +70,7 @@ def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]
     boxes = {}
     for name, offset, z, rotation, _ in stack:
         position = round(spot[0] + offset[0], 4), round(spot[1] + offset[1], 4), round(floor + z, 6)
-        boxes[name] = BoxSpec(size=SIZES[name], position=position, rotation=rotation, colour=COLOURS[name])
+        boxes[name] = BoxSpec(size=SIZES[name], position=position, rotation=rotation, colour=COLORS[name])
     return boxes
 
 

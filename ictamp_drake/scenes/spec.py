@@ -211,15 +211,15 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
 
 def to_yaml(spec: SceneSpec) -> str:
     """The text of the scene's file."""
-    plain = _plain(dataclasses.asdict(spec))
+    plain = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
         del plain["start"]
     return str(yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True))
 
 
-def _plain(value: Any) -> Any:
+def _to_plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: _to_plain(item) for key, item in value.items()}
     return list(value) if isinstance(value, tuple) else value
 
 

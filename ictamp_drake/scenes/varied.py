@@ -36,22 +36,25 @@ def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
     """The problem of that number; the same arguments always give the same one."""
     rng = generator(stream, seed, _STREAM, number)
     boxes = dict[str, BoxSpec]()
-    while len(boxes) < LEAST_BOXES or any(map(_near_hand, boxes.values())):
+    while len(boxes) < LEAST_BOXES or any(map(_is_near_hand, boxes.values())):
         supports = random_supports(rng)
         sizes = {f"box_{name}": _size(rng) for name in range(rng.integers(LEAST_BOXES, MOST_BOXES + 1))}
         boxes, carriers = random_boxes(supports, sizes, rng)
     towers = _towers(sorted(supports), carriers, rng)
-    arm = ArmSpec() if rng.random() < 0.5 else _anywhere(rng)
+    arm = ArmSpec() if rng.random() < 0.5 else _random_place(rng)
     return SceneSpec(
         arm=arm,
         supports={
-            name: replace(support, position=_moved(support.position, arm), yaw=_turned(support.yaw, arm))
+            name: replace(
+                support, position=_to_world_position(support.position, arm), yaw=_to_world_yaw(support.yaw, arm)
+            )
             for name, support in supports.items()
         },
         boxes={name: _moved_box(_material(box, rng), arm) for name, box in boxes.items()},
         goal=goal_of(*towers, tipped=[name for name, box in boxes.items() if any(box.rotation[:2])]),
         seed=number,
-        description=f"Varied: {len(boxes)} boxes on {', '.join(supports)}; build {' and '.join(map(_told, towers))}.",
+        description=f"Varied: {len(boxes)} boxes on {', '.join(supports)}; "
+        f"build {' and '.join(map(_describe_tower, towers))}.",
     )
 
 
@@ -61,7 +64,7 @@ def _size(rng: np.random.Generator) -> Vector:
     return width, depth, height if depth <= GRIPPER_WIDTH else min(height, GRIPPER_WIDTH)
 
 
-def _near_hand(box: BoxSpec) -> bool:
+def _is_near_hand(box: BoxSpec) -> bool:
     top = box.position[2] + max(box.size) / 2
     return math.dist(box.position[:2], _HAND[:2]) < _HAND_ROOM and top > _HAND[2]
 
@@ -77,7 +80,7 @@ def _towers(supports: Sequence[str], carriers: Mapping[str, str], rng: np.random
             return towers
 
 
-def _told(tower: Sequence[str]) -> str:
+def _describe_tower(tower: Sequence[str]) -> str:
     return f"{', '.join(tower[1:])} on {tower[0]}"
 
 
@@ -85,22 +88,22 @@ def _material(box: BoxSpec, rng: np.random.Generator) -> BoxSpec:
     return replace(box, mass=round(rng.uniform(0.02, 0.3), 3), friction=round(rng.uniform(0.4, 1), 2))
 
 
-def _anywhere(rng: np.random.Generator) -> ArmSpec:
+def _random_place(rng: np.random.Generator) -> ArmSpec:
     x, y, z = rng.uniform((-1, -1, 0), (1, 1, 0.8)).round(2).tolist()
     return ArmSpec((x, y, z), round(rng.uniform(-180, 180), 1))
 
 
 def _moved_box(box: BoxSpec, arm: ArmSpec) -> BoxSpec:
     roll, pitch, yaw = box.rotation
-    return replace(box, position=_moved(box.position, arm), rotation=(roll, pitch, _turned(yaw, arm)))
+    return replace(box, position=_to_world_position(box.position, arm), rotation=(roll, pitch, _to_world_yaw(yaw, arm)))
 
 
-def _moved(p_BA: Vector, arm: ArmSpec) -> Vector:
+def _to_world_position(p_BA: Vector, arm: ArmSpec) -> Vector:
     """A position in the world from that in the arm's base frame [m]."""
     x, y, z = (Rotation.from_euler("z", arm.yaw, degrees=True).apply(p_BA) + arm.position).round(6).tolist()
     return x, y, z
 
 
-def _turned(yaw: float, arm: ArmSpec) -> float:
+def _to_world_yaw(yaw: float, arm: ArmSpec) -> float:
     """A yaw in the world from that in the arm's base frame, in [-180, 180) [deg]."""
     return round((yaw + arm.yaw + 180) % 360 - 180, 1)

@@ -60,15 +60,15 @@ def check_clearances(field: str, clearances: Sequence[float]) -> None:
     check_vector(field, clearances, 0, GRIPPER_MAX_WIDTH, " m", count=None)
 
 
-def at_end(
+def configuration_after(
     c: Configuration, motion: Motion, *, width: float, held: str | None, moved: Mapping[str, FloatArray]
 ) -> Configuration:
     """c after a motion that went well: the fingers `width` apart [m], the `moved` boxes at their X_WO."""
     q = motion[-1].control_points[-1]
-    return replace(imagined(c, q=q, width=width, held=held, moved=moved), gripper=motion[-1].gripper)
+    return replace(imagine(c, q=q, width=width, held=held, moved=moved), gripper=motion[-1].gripper)
 
 
-def imagined(
+def imagine(
     c: Configuration,
     *,
     q: FloatArray,

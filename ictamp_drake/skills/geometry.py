@@ -14,7 +14,7 @@ R_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidTransform:
     """X_WG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
-    return world.upright(c, box).X_WU @ grasp_in_box(k)
+    return world.upright_frame(c, box).X_WU @ grasp_in_box(k)
 
 
 def grasp_in_box(k: Parameter) -> RigidTransform:
@@ -24,11 +24,11 @@ def grasp_in_box(k: Parameter) -> RigidTransform:
 
 def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> Parameter:
     """k of a hand pose, the inverse of `grasp_pose` for hands that point down."""
-    X_UG = world.upright(c, box).X_WU.inverse() @ X_WG
+    X_UG = world.upright_frame(c, box).X_WU.inverse() @ X_WG
     return np.append(X_UG.translation(), yaw_of(X_UG.rotation() @ R_DOWN.inverse()))
 
 
-def gripped_squarely(k: Parameter) -> RigidTransform:
+def squared_grasp(k: Parameter) -> RigidTransform:
     """X_GU after the fingers have closed with k: they centre the box between them and turn it square to them."""
     R_UG = RotationMatrix.MakeZRotation(round(k[3] / (np.pi / 2)) * np.pi / 2) @ R_DOWN
     p_GU = grasp_in_box(k).inverse().translation()
@@ -37,7 +37,7 @@ def gripped_squarely(k: Parameter) -> RigidTransform:
 
 def held_bottom(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> RigidTransform:
     """X_GB of the frame B in the bottom face's centre of the held box, parallel to its upright frame U."""
-    lying = world.upright(c, box)
+    lying = world.upright_frame(c, box)
     return X_WG.inverse() @ lying.X_WU @ RigidTransform([0.0, 0.0, -lying.size[2] / 2])
 
 
@@ -65,7 +65,7 @@ def hand_poses(world: World, c: Configuration, action: Action, k: FloatArray, X_
     """`grasp_pose` or `placement_pose` of many parameters, (n, 4) -> (n, 4, 4), with the hand of c at X_WG."""
     box, place = action.args
     if action.name == "pick":
-        return world.upright(c, box).X_WU.GetAsMatrix4() @ grasps(k)
+        return world.upright_frame(c, box).X_WU.GetAsMatrix4() @ grasps(k)
     X_GB = held_bottom(world, c, box, X_WG)
     return world.X_WT(c, place).GetAsMatrix4() @ level(k) @ X_GB.inverse().GetAsMatrix4()
 
@@ -77,7 +77,7 @@ def yaw_of(R: RotationMatrix) -> float:
 
 def grip_width(world: World, c: Configuration, box: str, yaw: float) -> float:
     """Side of the box along the fingers' direction [m], of the side nearest to it when the grasp is askew."""
-    size = world.upright(c, box).size
+    size = world.upright_frame(c, box).size
     return float(size[1] if abs(np.cos(yaw)) >= abs(np.sin(yaw)) else size[0])
 
 
@@ -88,6 +88,6 @@ def needed_opening(world: World, c: Configuration, box: str, X_WG: RigidTransfor
     return 2 * (half + abs(float(X_GO.translation()[1])))
 
 
-def raised(X_WG: RigidTransform, rise: float) -> RigidTransform:
+def raise_pose(X_WG: RigidTransform, rise: float) -> RigidTransform:
     """The same pose `rise` [m] higher."""
     return RigidTransform(X_WG.rotation(), X_WG.translation() + [0.0, 0.0, rise])

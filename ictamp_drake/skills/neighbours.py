@@ -37,7 +37,7 @@ def neighbours(world: World, c: Configuration, without: Collection[str], height:
     """All boxes and supports that reach above `height` [m], but for the named ones."""
     found = []
     for name in world.spec.boxes:
-        lying = world.upright(c, name)
+        lying = world.upright_frame(c, name)
         if name not in without and lying.X_WT.translation()[2] > height + 1e-3:
             found.append(Neighbour(lying.X_WU, lying.size[:2] / 2))
     for name, support in world.spec.supports.items():

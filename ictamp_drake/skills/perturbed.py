@@ -44,9 +44,9 @@ class PerturbedSampler:
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
         """Any number of k, or why the other sampler found none."""
         for k in self._sampler.draws(c, action, rng):
-            yield k if isinstance(k, Failure) else self._shifted(k, action, rng)
+            yield k if isinstance(k, Failure) else self._shift(k, action, rng)
 
-    def _shifted(self, k: Parameter, action: Action, rng: np.random.Generator) -> Parameter:
+    def _shift(self, k: Parameter, action: Action, rng: np.random.Generator) -> Parameter:
         config = self._config
         if action.name == "pick":
             return k + self._noise(config.grasp, rng)

@@ -12,8 +12,8 @@ from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.observation.situations import LIFT
-from ictamp_drake.skills.base import CLEARANCES, TIP, at_end, check_clearances, hold, imagined, openings
-from ictamp_drake.skills.geometry import grasp_pose, grip_width, gripped_squarely, needed_opening, raised
+from ictamp_drake.skills.base import CLEARANCES, TIP, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.geometry import grasp_pose, grip_width, needed_opening, raise_pose, squared_grasp
 from ictamp_drake.world.commands import gripper_time
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
@@ -65,8 +65,8 @@ class Pick:
         approach = self._approach(c, opening, back.end, rng)
         if isinstance(approach, Refusal):
             return approach
-        planner.set_configuration(imagined(c, q=q_grasp, width=grasp.width, held=box))
-        lift = planner.straight(q_grasp, raised(X_WG, self._config.lift))
+        planner.set_configuration(imagine(c, q=q_grasp, width=grasp.width, held=box))
+        lift = planner.plan_straight(q_grasp, raise_pose(X_WG, self._config.lift))
         if isinstance(lift, Refusal):
             return lift
         return (
@@ -81,12 +81,12 @@ class Pick:
     ) -> tuple[GripperCommand, Trajectory] | Refusal:
         """The first opening for which the neighbours leave room, and the straight way up from the grasp with it."""
         planner, config = self._planner, self._config
-        X_WG_above = raised(X_WG, self._world.upright(c, box).size[2] / 2 - k[2] + TIP + config.margin)
+        X_WG_above = raise_pose(X_WG, self._world.upright_frame(c, box).size[2] / 2 - k[2] + TIP + config.margin)
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in openings(needed_opening(self._world, c, box, X_WG), config.clearances):
-            planner.set_configuration(imagined(c, q=c.commanded, width=opening.width, held=None))
+            planner.set_configuration(imagine(c, q=c.commanded, width=opening.width, held=None))
             q_grasp = planner.posture(X_WG, c.commanded, towards=X_WG_above)
-            back = q_grasp if isinstance(q_grasp, Refusal) else planner.straight(q_grasp, X_WG_above)
+            back = q_grasp if isinstance(q_grasp, Refusal) else planner.plan_straight(q_grasp, X_WG_above)
             if not isinstance(back, Refusal):
                 return opening, back.trajectory
             refusal = back
@@ -99,13 +99,13 @@ class Pick:
     ) -> Motion | Refusal:
         """The way from c to q, shape (7,) [rad], on which the hand goes over to its opening; before it, if need be."""
         planner = self._planner
-        planner.set_configuration(imagined(c, q=c.commanded, width=max(opening.width, c.gripper.width), held=None))
+        planner.set_configuration(imagine(c, q=c.commanded, width=max(opening.width, c.gripper.width), held=None))
         way = planner.transfer(c.commanded, q, rng)
         first = (
             isinstance(way, Refusal) and way.failure is Failure.GOAL_IN_COLLISION and opening.width < c.gripper.width
         )
         if first:
-            planner.set_configuration(imagined(c, q=c.commanded, width=opening.width, held=None))
+            planner.set_configuration(imagine(c, q=c.commanded, width=opening.width, held=None))
             way = planner.transfer(c.commanded, q, rng)
         if isinstance(way, Refusal):
             return way
@@ -117,8 +117,10 @@ class Pick:
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
         """The box in the lifted hand, in the middle of the fingers and square to them."""
         box = action.args[0]
-        lying = self._world.upright(c, box)
+        lying = self._world.upright_frame(c, box)
         X_WG = self._planner.kinematics.forward(motion[-1].control_points[-1])
-        X_WU = X_WG @ gripped_squarely(k)
+        X_WU = X_WG @ squared_grasp(k)
         X_WO = X_WU @ lying.X_WU.inverse() @ to_transform(c.poses[box])
-        return at_end(c, motion, width=grip_width(self._world, c, box, k[3]), held=box, moved={box: to_pose(X_WO)})
+        return configuration_after(
+            c, motion, width=grip_width(self._world, c, box, k[3]), held=box, moved={box: to_pose(X_WO)}
+        )

@@ -11,8 +11,8 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.skills.base import CLEARANCES, TIP, at_end, check_clearances, hold, imagined, openings
-from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raised, yaw_of
+from ictamp_drake.skills.base import CLEARANCES, TIP, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raise_pose, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
@@ -58,15 +58,15 @@ class Place:
         above = self._top_above_hand(c, box, X_GB) + TIP + self._config.margin
 
         planner.set_configuration(c)
-        q_place = planner.posture(X_WG, c.commanded, towards=raised(X_WG, max(self._config.drop, above)))
+        q_place = planner.posture(X_WG, c.commanded, towards=raise_pose(X_WG, max(self._config.drop, above)))
         if isinstance(q_place, Refusal):
             return q_place
-        back = planner.straight(q_place, raised(X_WG, self._config.drop))
+        back = planner.plan_straight(q_place, raise_pose(X_WG, self._config.drop))
         if isinstance(back, Refusal):
             return back
         needed = needed_opening(self._world, c, box, X_WG0)
-        placed = imagined(c, q=q_place, width=needed, held=None, moved={box: to_pose(X_WO)})
-        way = self._way_up(placed, openings(needed, self._config.clearances), raised(X_WG, above))
+        placed = imagine(c, q=q_place, width=needed, held=None, moved={box: to_pose(X_WO)})
+        way = self._way_up(placed, openings(needed, self._config.clearances), raise_pose(X_WG, above))
         if isinstance(way, Refusal):
             return way
         opening, retreat = way
@@ -87,8 +87,8 @@ class Place:
         """The first opening for which the neighbours leave room, and the straight way with it to X_WG."""
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in fitting:
-            self._planner.set_configuration(imagined(placed, q=placed.q[:7], width=opening.width, held=None))
-            retreat = self._planner.straight(placed.q[:7], X_WG)
+            self._planner.set_configuration(imagine(placed, q=placed.q[:7], width=opening.width, held=None))
+            retreat = self._planner.plan_straight(placed.q[:7], X_WG)
             if not isinstance(retreat, Refusal):
                 return opening, retreat.trajectory
             refusal = retreat
@@ -98,7 +98,7 @@ class Place:
         """The box level on the receptacle."""
         box, receptacle = action.args
         X_WO = to_transform(c.poses[box])
-        lying = self._world.upright(c, box)
+        lying = self._world.upright_frame(c, box)
         X_TB = level_pose(k)
         X_WT = self._world.X_WT(c, receptacle)
         X_WB = X_WT @ X_TB
@@ -107,7 +107,7 @@ class Place:
             [*X_WB.translation()[:2], X_WT.translation()[2] + lying.size[2] / 2],
         )
         end = X_WU @ lying.X_WU.inverse() @ X_WO
-        return at_end(c, motion, width=motion[-1].gripper.width, held=None, moved={box: to_pose(end)})
+        return configuration_after(c, motion, width=motion[-1].gripper.width, held=None, moved={box: to_pose(end)})
 
     def _top_above_hand(self, c: Configuration, box: str, X_GB: RigidTransform) -> float:
-        return float(self._world.upright(c, box).size[2] - X_GB.translation()[2])
+        return float(self._world.upright_frame(c, box).size[2] - X_GB.translation()[2])

@@ -20,7 +20,7 @@ from ictamp_drake.skills.base import Skill, SkillConfig
 from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.place import PlaceConfig
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
@@ -56,7 +56,7 @@ class SkillsConfig:
     def create(
         self,
         world: World,
-        abstraction: Abstraction,
+        abstraction: SceneAbstraction,
         physics: Physics,
         sampler: SamplerConfig,
         own: Mapping[str, SkillConfig] = MappingProxyType({}),
@@ -88,7 +88,7 @@ class Skills:
     """
 
     draws: int
-    abstraction: Abstraction
+    abstraction: SceneAbstraction
     physics: Physics
     sampler: Sampler[Configuration]
     skills: Mapping[str, Skill]
@@ -120,16 +120,16 @@ class Skills:
             return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail, obstacles)
         attempt = Attempt[Configuration](action, None, None, k, plan, rejections)
         if not self.promises or k is None:
-            return self._executed(c, attempt, promised, stopwatch)
+            return self._run_motion(c, attempt, promised, stopwatch)
         with stopwatch.stage("abstraction"):
             outcome = Outcome(self.skills[action.name].promise(c, action, k, plan), True, None, plan, None)
-        return self._judged(attempt, outcome, promised, stopwatch)
+        return self._judge_outcome(attempt, outcome, promised, stopwatch)
 
     def execute(self, c: Configuration, attempt: Attempt[Configuration], promised: State) -> Attempt[Configuration]:
         """Run the motion of an attempt in physics from c; it was planned from what was promised in the place of c."""
-        return self._executed(c, attempt, promised, Stopwatch(seconds=attempt.seconds))
+        return self._run_motion(c, attempt, promised, Stopwatch(seconds=attempt.seconds))
 
-    def _executed(
+    def _run_motion(
         self, c: Configuration, attempt: Attempt[Configuration], promised: State, stopwatch: Stopwatch
     ) -> Attempt[Configuration]:
         try:
@@ -139,9 +139,9 @@ class Skills:
             sentence = str(error).partition(".")[0]
             seconds = stopwatch.seconds
             return replace(attempt, failure=Failure.NOT_SETTLED, successor=None, seconds=seconds, detail=sentence)
-        return self._judged(attempt, outcome, promised, stopwatch)
+        return self._judge_outcome(attempt, outcome, promised, stopwatch)
 
-    def _judged(
+    def _judge_outcome(
         self, attempt: Attempt[Configuration], outcome: Outcome, promised: State, stopwatch: Stopwatch
     ) -> Attempt[Configuration]:
         with stopwatch.stage("abstraction"):

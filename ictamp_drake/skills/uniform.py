@@ -42,7 +42,7 @@ class UniformSampler:
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
         """Any number of k; there always is one, but it seldom fits."""
         if action.name == "pick":
-            half = self._world.upright(c, action.args[0]).size / 2
+            half = self._world.upright_frame(c, action.args[0]).size / 2
             low, high = -half, half
         else:
             half = np.append(self._world.top_size(c, action.args[1]) / 2, 0.0)

@@ -28,7 +28,7 @@ def supporters(state: State) -> dict[str, str]:
     return {atom.args[0]: atom.args[1] for atom in state if atom.predicate in (ON, LYING)}
 
 
-def beneath(box: str, supporter: Mapping[str, str]) -> Iterator[str]:
+def objects_beneath(box: str, supporter: Mapping[str, str]) -> Iterator[str]:
     """What is beneath the box, down to the support."""
     while box in supporter:
         box = supporter[box]

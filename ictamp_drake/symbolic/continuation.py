@@ -8,7 +8,7 @@ EXPANSIONS = 1000
 """Nodes after which the search for the rest of a plan is given up."""
 
 
-def continued(
+def continue_plan(
     domain: Domain, state: State, action: Action, goal: frozenset[Atom], max_expansions: int = EXPANSIONS
 ) -> Skeleton:
     """The action and then the shortest plan to the goal, or the action alone when no such plan is found.

@@ -45,7 +45,7 @@ class Domain:
         """The applicable actions in their order, each with the state that it promises."""
         numbers = sorted(number for atom in (None, *state) for number in self.by_rarest.get(atom, ()))
         candidates = map(self.actions.__getitem__, numbers)
-        return tuple((each.action, each.applied(state)) for each in candidates if each.applies(state))
+        return tuple((each.action, each.apply(state)) for each in candidates if each.applies(state))
 
     def successor(self, state: State, action: Action) -> State:
         """The state that the action promises.
@@ -56,9 +56,9 @@ class Domain:
         found = self._by_name.get(action)
         if found is None or not found.applies(state):
             raise ValueError(f"{action} is not applicable in the given state.")
-        return found.applied(state)
+        return found.apply(state)
 
-    def minding(self, obstructions: Collection[Obstruction]) -> "Domain":
+    def with_obstructions(self, obstructions: Collection[Obstruction]) -> "Domain":
         """The domain in which the boxes that are in the way of an action must have been moved before it.
 
         Its states remember that as moved(box), from when the box is placed. To pick such a box comes last in the order
@@ -109,12 +109,14 @@ def _typed_objects(boxes: Sequence[str], supports: Sequence[str]) -> dict[str, s
 
 
 def _check_place(box: str, initial: State) -> None:
-    place, posture = (_about(box, predicates, initial) for predicates in ((ON, LYING, IN_HAND), (UPRIGHT, TIPPED)))
+    place, posture = (
+        _atoms_about(box, predicates, initial) for predicates in ((ON, LYING, IN_HAND), (UPRIGHT, TIPPED))
+    )
     if len(place) != 1 or len(posture) != 1:
         found = ", ".join(map(str, (*place, *posture))) or "nothing"
         needed = "one of on, lying and in-hand, and one of upright and tipped"
         raise IctampError(f'The initial state says {found} of the box "{box}", but must say {needed}.')
 
 
-def _about(box: str, predicates: tuple[str, ...], state: State) -> list[Atom]:
+def _atoms_about(box: str, predicates: tuple[str, ...], state: State) -> list[Atom]:
     return sorted(atom for atom in state if atom.predicate in predicates and atom.args[0] == box)

@@ -47,13 +47,13 @@ def read(text: str) -> Group:
     unclosed: list[tuple[int, list[Expression]]] = []
     for token, line in _tokens(text):
         if whole is not None:
-            raise IctampError(f'line {line}: expected the end of the text, not "{shown(token)}"')
+            raise IctampError(f'line {line}: expected the end of the text, not "{quote_expression(token)}"')
         if token == "(":
             unclosed.append((line, []))
             if len(unclosed) > MAX_DEPTH:
                 raise IctampError(f"line {line}: expected brackets to be nested at most {MAX_DEPTH} deep")
         elif not unclosed:
-            raise IctampError(f'line {line}: expected "(", not "{shown(token)}"')
+            raise IctampError(f'line {line}: expected "(", not "{quote_expression(token)}"')
         elif token != ")":
             unclosed[-1][1].append(token)
         else:
@@ -75,6 +75,6 @@ def _tokens(text: str) -> Iterator[tuple[str, int]]:
         yield from ((token, line) for token in _TOKEN.findall(content.partition(";")[0]))
 
 
-def shown(expression: Expression) -> str:
+def quote_expression(expression: Expression) -> str:
     """The expression as a message quotes it, on one line and not too long."""
     return shorten(str(expression), 80, placeholder=" ...")

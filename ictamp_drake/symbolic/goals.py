@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import LYING, ON, tipped_boxes
-from ictamp_drake.symbolic.expressions import Expression, Group, read, shown
+from ictamp_drake.symbolic.expressions import Expression, Group, quote_expression, read
 
 _FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...), with lying for on if BOX is tipped"
 
@@ -43,7 +43,7 @@ def _literals(text: str, where: str) -> Sequence[Expression]:
     try:
         formula = read(text)
     except IctampError as error:
-        raise IctampError(f'{where}: cannot read "{shown(text)}", {error}; {_FORM}.') from error
+        raise IctampError(f'{where}: cannot read "{quote_expression(text)}", {error}; {_FORM}.') from error
     literals = formula.items[1:] if formula.items[:1] == ("and",) else (formula,)
     if not literals:
         raise IctampError(f"{where}: (and) is empty; {_FORM}.")
@@ -51,7 +51,7 @@ def _literals(text: str, where: str) -> Sequence[Expression]:
 
 
 def _atom(literal: Expression, boxes: Sequence[str], supports: Sequence[str], where: str) -> Atom:
-    written = shown(literal)
+    written = quote_expression(literal)
     words = [word for word in literal.items if isinstance(word, str)] if isinstance(literal, Group) else []
     if not isinstance(literal, Group) or len(words) < len(literal.items):
         raise IctampError(f"{where}: {written} is not an atom; {_FORM}.")
@@ -74,16 +74,16 @@ def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str
     for atom in sorted(goal):
         if atom.args[0] == atom.args[1]:
             yield f"{_pddl(atom)} puts {atom.args[0]} on itself"
-    for box, atoms in _shared(goal, 0):
+    for box, atoms in _group_shared(goal, 0):
         yield f"{_text(atoms)} puts {box} in more than one place"
-    for below, atoms in _shared(goal, 1):
+    for below, atoms in _group_shared(goal, 1):
         if below in boxes:
             yield f"{_text(atoms)} puts more than one box on the box {below}"
     for circle in _circles({atom.args[0]: atom.args[1] for atom in goal}):
         yield f"the boxes {', '.join(circle)} are to stand on each other in a circle"
 
 
-def _shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:
+def _group_shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:
     """Each object that several atoms have at the position, with these atoms."""
     by_object: dict[str, list[Atom]] = {}
     for atom in sorted(goal):

@@ -71,7 +71,7 @@ class GroundAction:
         """Tell whether the action can be applied in the state."""
         return self.preconditions <= state and (self.is_plain or holds(self.further, state))
 
-    def applied(self, state: State) -> State:
+    def apply(self, state: State) -> State:
         """The state after the action."""
         add, delete = self.add, self.delete
         for effect in self.conditional:
@@ -111,14 +111,14 @@ class _Grounder:
     def ground(self, operator: Operator) -> Iterator[GroundAction]:
         """The actions that come of an operator, in the order of their objects."""
         for binding in self._choices(operator):
-            precondition = conjuncts(self._settled(operator.precondition, binding))
+            precondition = conjuncts(self._simplify(operator.precondition, binding))
             atoms = frozenset(part for part in precondition if isinstance(part, Atom))
             further = tuple(part for part in precondition if not isinstance(part, Atom))
             if FALSE in further or any(isinstance(part, Not) and part.part in atoms for part in further):
                 continue
             action = Action(operator.name, tuple(binding[variable.name] for variable in operator.parameters))
             always, *conditional = self._effects(operator, binding)
-            yield GroundAction(action, atoms, always.add, always.delete, _all(further), tuple(conditional))
+            yield GroundAction(action, atoms, always.add, always.delete, _conjunction(further), tuple(conditional))
 
     def _choices(self, operator: Operator) -> Sequence[_Binding]:
         """The bindings of the parameters that no static part of the precondition rules out."""
@@ -130,8 +130,8 @@ class _Grounder:
             decided = [part for part in decided if variable.name in _terms(part)]
             bindings = [
                 binding
-                for binding in self._extended(bindings, variable, parts)
-                if all(self._settled(part, binding) is TRUE for part in decided)
+                for binding in self._extend_bindings(bindings, variable, parts)
+                if all(self._simplify(part, binding) is TRUE for part in decided)
             ]
         return bindings
 
@@ -140,30 +140,30 @@ class _Grounder:
         found: dict[Formula, tuple[set[Atom], set[Atom]]] = {TRUE: (set(), set())}
         for effect in operator.effects:
             for wider in self._instances(effect.variables, binding, conjuncts(effect.condition)):
-                condition = self._settled(effect.condition, wider)
+                condition = self._simplify(effect.condition, wider)
                 if condition is not FALSE:
                     add, delete = found.setdefault(condition, (set(), set()))
-                    (add if effect.adds else delete).add(_bound(effect.atom, wider))
+                    (add if effect.adds else delete).add(_bind(effect.atom, wider))
         return [ConditionalEffect(when, frozenset(add), frozenset(delete)) for when, (add, delete) in found.items()]
 
-    def _settled(self, formula: Formula, binding: _Binding) -> Formula:
+    def _simplify(self, formula: Formula, binding: _Binding) -> Formula:
         """What is left of a formula: TRUE, FALSE, or a ground formula of atoms that can change."""
         self._count()
         match formula:
             case Atom():
-                atom = _bound(formula, binding)
+                atom = _bind(formula, binding)
                 return atom if atom.predicate not in self._static else TRUE if atom in self._facts else FALSE
             case Equal((left, right)):
                 return TRUE if binding.get(left, left) == binding.get(right, right) else FALSE
             case Not(part):
-                return negation(self._settled(part, binding))
+                return negation(self._simplify(part, binding))
             case And(parts):
-                return _all(self._settled(part, binding) for part in parts)
+                return _conjunction(self._simplify(part, binding) for part in parts)
             case Or(parts):
-                return _any(self._settled(part, binding) for part in parts)
+                return _disjunction(self._simplify(part, binding) for part in parts)
             case Exists(variables, body):
                 instances = self._instances(variables, binding, conjuncts(body))
-                return _any(self._settled(body, wider) for wider in instances)
+                return _disjunction(self._simplify(body, wider) for wider in instances)
 
     def _instances(
         self, variables: Sequence[Variable], binding: _Binding, parts: Sequence[Formula]
@@ -171,10 +171,10 @@ class _Grounder:
         """The binding with objects for more variables, save some for which the parts do not all hold."""
         bindings: Iterable[_Binding] = [binding]
         for variable in variables:
-            bindings = self._extended(bindings, variable, parts)
+            bindings = self._extend_bindings(bindings, variable, parts)
         return bindings
 
-    def _extended(
+    def _extend_bindings(
         self, bindings: Iterable[_Binding], variable: Variable, parts: Sequence[Formula]
     ) -> Iterator[_Binding]:
         for binding in bindings:
@@ -203,7 +203,7 @@ class _Grounder:
             raise IctampError("The planning domain has too many ground actions: use fewer parameters or fewer objects.")
 
 
-def _bound(atom: Atom, binding: _Binding) -> Atom:
+def _bind(atom: Atom, binding: _Binding) -> Atom:
     return Atom(atom.predicate, tuple([binding.get(term, term) for term in atom.args]))
 
 
@@ -211,7 +211,7 @@ def _terms(formula: Formula) -> set[str]:
     return {term for leaf in leaves(formula) for term in (leaf.terms if isinstance(leaf, Equal) else leaf.args)}
 
 
-def _all(parts: Iterable[Formula]) -> Formula:
+def _conjunction(parts: Iterable[Formula]) -> Formula:
     """The conjunction in its simplest form; parts after the first that is FALSE are not looked at."""
     left = list[Formula]()
     for part in parts:
@@ -223,7 +223,7 @@ def _all(parts: Iterable[Formula]) -> Formula:
     return distinct[0] if len(distinct) == 1 else And(distinct) if distinct else TRUE
 
 
-def _any(parts: Iterable[Formula]) -> Formula:
+def _disjunction(parts: Iterable[Formula]) -> Formula:
     """The disjunction in its simplest form; parts after the first that is TRUE are not looked at."""
     left = list[Formula]()
     for part in parts:

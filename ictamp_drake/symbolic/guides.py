@@ -7,7 +7,7 @@ from functools import cache
 from typing import Protocol
 
 from ictamp_drake.core.types import Atom, Obstruction, State
-from ictamp_drake.symbolic.atoms import MOVED, beneath, held_box, supporters
+from ictamp_drake.symbolic.atoms import MOVED, held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.masks import Masks
 
@@ -19,7 +19,7 @@ class Guide(Protocol):
     def horizon(self) -> float:
         """Plans of up to this many actions are ordered rightly; raised by `grow`."""
 
-    def remaining(self, state: State) -> float:
+    def estimate_distance(self, state: State) -> float:
         """Actions from the state to the goal, as far as known; infinite when no way is known."""
 
     def grow(self) -> None:
@@ -35,8 +35,8 @@ class BreadthFirstDistance:
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
         self._masks = Masks(domain, goal)
-        self._goal = self._masks.of(goal)
-        self._mask_of = cache(self._masks.of)
+        self._goal = self._masks.encode(goal)
+        self._mask_of = cache(self._masks.encode)
         start = self._mask_of(initial)
         self._depth = {start: 0}
         self._remaining: dict[int, int] = {}
@@ -48,7 +48,7 @@ class BreadthFirstDistance:
     def horizon(self) -> float:
         return self._depth[self._frontier[0]] if self._frontier else math.inf
 
-    def remaining(self, state: State) -> float:
+    def estimate_distance(self, state: State) -> float:
         return self._remaining.get(self._mask_of(state), math.inf)
 
     def grow(self) -> None:
@@ -105,9 +105,9 @@ class MoveCount:
         self._known: dict[State, float] = {}
         self._target = {atom.args[0]: atom.args[1] for atom in goal}
         self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
-        self._beneath_in_goal = {box: frozenset(beneath(box, self._target)) for box in self._target}
+        self._beneath_in_goal = {box: frozenset(objects_beneath(box, self._target)) for box in self._target}
 
-    def remaining(self, state: State) -> float:
+    def estimate_distance(self, state: State) -> float:
         if state not in self._known:
             self._known[state] = self._weight * self._unavoidable_actions(state)
         return self._known[state]
@@ -119,7 +119,7 @@ class MoveCount:
         if self._goal <= state:
             return 0
         supporter = supporters(state)
-        to_move = self._to_move(state, supporter)
+        to_move = self._list_to_move(state, supporter)
         actions = 2 * len(to_move)
         actions += sum(2 for box in to_move if self._must_move_twice(box, supporter, to_move))
         held = held_box(state)
@@ -127,14 +127,14 @@ class MoveCount:
             actions += 1 if self._can_be_placed(held, supporter, to_move) else 3
         return actions
 
-    def _to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
+    def _list_to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
         in_the_way, before = set[str](), None
         while in_the_way != before:
             to_move = {box for box in supporter if self._must_move(box, supporter, in_the_way)}
-            in_the_way, before = set(self._in_the_way(state, supporter, to_move)), in_the_way
+            in_the_way, before = set(self._list_in_the_way(state, supporter, to_move)), in_the_way
         return to_move
 
-    def _in_the_way(self, state: State, supporter: dict[str, str], to_move: set[str]) -> Iterator[str]:
+    def _list_in_the_way(self, state: State, supporter: dict[str, str], to_move: set[str]) -> Iterator[str]:
         """Of the one action that picks up a box that must move, or the one that puts a box where the goal wants it."""
         for (name, (box, place)), obstacle in self._obstructions:
             there, moves = supporter.get(box) == place, box in to_move
@@ -143,15 +143,15 @@ class MoveCount:
                 yield obstacle
 
     def _must_move(self, box: str, supporter: dict[str, str], in_the_way: set[str]) -> bool:
-        tower = (box, *beneath(box, supporter))
-        return not in_the_way.isdisjoint(tower) or any(map(self._misplaced, tower, tower[1:]))
+        tower = (box, *objects_beneath(box, supporter))
+        return not in_the_way.isdisjoint(tower) or any(map(self._is_misplaced, tower, tower[1:]))
 
-    def _misplaced(self, box: str, below: str) -> bool:
+    def _is_misplaced(self, box: str, below: str) -> bool:
         return self._target.get(box, below) != below or self._occupant.get(below, box) != box
 
     def _must_move_twice(self, box: str, supporter: dict[str, str], to_move: set[str]) -> bool:
         in_goal = self._beneath_in_goal.get(box, frozenset())
-        return any(below in to_move and below in in_goal for below in beneath(box, supporter))
+        return any(below in to_move and below in in_goal for below in objects_beneath(box, supporter))
 
     def _can_be_placed(self, held: str, supporter: dict[str, str], to_move: set[str]) -> bool:
         in_goal = self._beneath_in_goal.get(held, frozenset())
@@ -171,8 +171,8 @@ class Patience:
     def horizon(self) -> float:
         return self._guide.horizon
 
-    def remaining(self, state: State) -> float:
-        return self._guide.remaining(state)
+    def estimate_distance(self, state: State) -> float:
+        return self._guide.estimate_distance(state)
 
     def grow(self) -> None:
         self._guide.grow()

@@ -15,13 +15,14 @@ class Masks:
         self._actions = domain.actions
         self._bits = {atom: 1 << number for number, atom in enumerate(sorted(goal.union(*map(_atoms, self._actions))))}
         self._masks = [
-            (self.of(each.preconditions), self.of(each.add), ~self.of(each.delete)) for each in self._actions
+            (self.encode(each.preconditions), self.encode(each.add), ~self.encode(each.delete))
+            for each in self._actions
         ]
         self._always = domain.by_rarest.get(None, [])
         self._by_bit = {self._bits[atom]: numbers for atom, numbers in domain.by_rarest.items() if atom is not None}
         self._rarest = sum(self._by_bit)
 
-    def of(self, state: State) -> int:
+    def encode(self, state: State) -> int:
         """The integer of a state, or of any other set of atoms."""
         return sum([self._bits.get(atom, 0) for atom in state])
 
@@ -40,7 +41,7 @@ class Masks:
                 if action.is_plain:
                     yield mask & kept | add
                 elif action.applies(state := self._state(mask)):
-                    yield self.of(action.applied(state))
+                    yield self.encode(action.apply(state))
 
     def _state(self, mask: int) -> State:
         return frozenset(atom for atom, bit in self._bits.items() if mask & bit)

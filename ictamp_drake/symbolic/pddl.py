@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom
-from ictamp_drake.symbolic.expressions import Expression, Group, read, shown
+from ictamp_drake.symbolic.expressions import Expression, Group, quote_expression, read
 from ictamp_drake.symbolic.formulas import TRUE, And, Equal, Exists, Formula, Not, Or, Variable, negation
 from ictamp_drake.symbolic.operators import OBJECT, Effect, Operator, PddlDomain, lineage
 
@@ -101,7 +101,7 @@ class _Reader:
         for section in by_key[":types"]:
             self._declare_types(section)
         for section in by_key[":constants"]:
-            self._constants |= self._typed(section, 1)
+            self._constants |= self._read_typed_list(section, 1)
         for section in by_key[":predicates"]:
             for declaration in section.items[1:]:
                 self._declare_predicate(declaration, section)
@@ -114,7 +114,7 @@ class _Reader:
         return PddlDomain(self._types, self._constants, self._predicates, tuple(operators.values()))
 
     def _declare_types(self, section: Group) -> None:
-        parents = dict(_declared(section, 1))
+        parents = dict(_read_declarations(section, 1))
         known = {OBJECT, *self._types}
         parents |= {parent: OBJECT for parent in parents.values() if parent not in known.union(parents)}
         for name in parents:
@@ -130,7 +130,7 @@ class _Reader:
     def _declare_predicate(self, declaration: Expression, section: Group) -> None:
         match declaration:
             case Group((str(name), *_)) if name not in {*_FORMS, *self._predicates}:
-                self._predicates[name] = tuple(self._typed(declaration, 1, variables=True).values())
+                self._predicates[name] = tuple(self._read_typed_list(declaration, 1, variables=True).values())
             case _:
                 _refuse(declaration, "(PREDICATE ?VARIABLE - TYPE ...) with a name of its own", section)
 
@@ -141,7 +141,7 @@ class _Reader:
             case _:
                 _refuse(section, f"(:action NAME {' '.join(_PARTS.values())})")
         parameters = _group(parts.get(":parameters", Group((), section.line)), "parameters", section)
-        scope = self._typed(parameters, 0, variables=True)
+        scope = self._read_typed_list(parameters, 0, variables=True)
         precondition, effect = parts.get(":precondition"), parts.get(":effect")
         return Operator(
             name,
@@ -163,7 +163,7 @@ class _Reader:
             case ("imply", condition, consequence):
                 return Or((negation(*read_all([condition])), *read_all([consequence])))
             case ("forall" | "exists" as quantifier, Group() as declared, part):
-                variables, wider = self._quantified(declared, scope)
+                variables, wider = self._read_quantified(declared, scope)
                 body = self._formula(part, wider, group)
                 return Exists(variables, body) if quantifier == "exists" else Not(Exists(variables, negation(body)))
             case ("=", str(left), str(right)):
@@ -187,15 +187,15 @@ class _Reader:
                 both = more if condition is TRUE else And((condition, more))
                 yield from self._effects(effect, scope, variables, both, group)
             case ("forall", Group() as declared, effect):
-                quantified, wider = self._quantified(declared, scope)
+                quantified, wider = self._read_quantified(declared, scope)
                 yield from self._effects(effect, wider, (*variables, *quantified), condition, group)
             case ("not", Group() as atom):
                 yield Effect(variables, condition, self._atom(atom, scope), adds=False)
             case _:
                 yield Effect(variables, condition, self._atom(group, scope), adds=True)
 
-    def _quantified(self, declared: Group, scope: _Scope) -> tuple[tuple[Variable, ...], _Scope]:
-        variables = self._typed(declared, 0, variables=True)
+    def _read_quantified(self, declared: Group, scope: _Scope) -> tuple[tuple[Variable, ...], _Scope]:
+        variables = self._read_typed_list(declared, 0, variables=True)
         for name in variables:
             if name in scope:
                 _refuse(declared, f"another name than {name}, which is in use already")
@@ -208,7 +208,7 @@ class _Reader:
             case (str(word), *_) if word in _FORMS:
                 _refuse(group, _FORMS[word])
             case _:
-                _refuse(group, f"one of the predicates {_listed(self._predicates)}")
+                _refuse(group, f"one of the predicates {_join_names(self._predicates)}")
         if len(terms) != len(types):
             _refuse(group, f"({' '.join((predicate, *map(str.upper, types)))})")
         for term, wanted in zip(terms, types, strict=True):
@@ -222,24 +222,24 @@ class _Reader:
         if kind is None:
             _refuse(
                 term,
-                f"one of {_listed((*scope, *self._constants)) or 'the parameters, of which there are none'}",
+                f"one of {_join_names((*scope, *self._constants)) or 'the parameters, of which there are none'}",
                 around,
             )
         return kind
 
-    def _typed(self, group: Group, start: int, variables: bool = False) -> dict[str, str]:
+    def _read_typed_list(self, group: Group, start: int, variables: bool = False) -> dict[str, str]:
         """The names of a typed list with their types; variables, and they alone, begin with ?."""
         found: dict[str, str] = {}
-        for name, kind in _declared(group, start):
+        for name, kind in _read_declarations(group, start):
             if kind != OBJECT and kind not in self._types:
-                _refuse(kind, f"one of the types {_listed((OBJECT, *self._types))}", group)
+                _refuse(kind, f"one of the types {_join_names((OBJECT, *self._types))}", group)
             if name in found or name.startswith("?") != variables:
                 _refuse(name, f"a name {'with' if variables else 'without'} ? in front that is not there yet", group)
             found[name] = kind
         return found
 
 
-def _declared(group: Group, start: int) -> Iterator[tuple[str, str]]:
+def _read_declarations(group: Group, start: int) -> Iterator[tuple[str, str]]:
     """The pairs of a typed list such as (a b - box c); what has no type is an object."""
     names: list[str] = []
     words = iter(group.items[start:])
@@ -255,8 +255,8 @@ def _declared(group: Group, start: int) -> Iterator[tuple[str, str]]:
     yield from ((name, OBJECT) for name in names)
 
 
-def _listed(names: Iterable[str]) -> str:
-    return shown(", ".join(names))
+def _join_names(names: Iterable[str]) -> str:
+    return quote_expression(", ".join(names))
 
 
 def _check_requirements(section: Group) -> None:
@@ -273,5 +273,5 @@ def _group(expression: Expression, what: str, around: Group) -> Group:
 
 def _refuse(expression: Expression, expected: str, around: Group | None = None) -> NoReturn:
     line = expression.line if isinstance(expression, Group) else around.line if around else 1
-    inside = f' in "{shown(around)}"' if around and isinstance(expression, str) else ""
-    raise IctampError(f'line {line}: expected {expected}, not "{shown(expression)}"{inside}')
+    inside = f' in "{quote_expression(around)}"' if around and isinstance(expression, str) else ""
+    raise IctampError(f'line {line}: expected {expected}, not "{quote_expression(expression)}"{inside}')

@@ -13,7 +13,7 @@ from typing import NamedTuple, Optional
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
-from ictamp_drake.symbolic.atoms import MOVED, beneath, supporters
+from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount, Patience
 
@@ -137,7 +137,7 @@ class PlanStream:
         return False
 
     def _bound(self, path: _Path) -> float:
-        return min(path.length + self._guide.remaining(path.state), self._guide.horizon + 1)
+        return min(path.length + self._guide.estimate_distance(path.state), self._guide.horizon + 1)
 
     def _expand(self, path: _Path) -> None:
         visited = {each.state for each in path}
@@ -192,7 +192,7 @@ class Detours:
     def _next_new(self, stream: PlanStream, max_expansions: int) -> Skeleton | None:
         limit = stream.expanded + max_expansions
         while (plan := stream.next_plan(limit - stream.expanded)) is not None:
-            plan = Skeleton(tuple(map(_without_moved, plan.states)), plan.actions)
+            plan = Skeleton(tuple(map(_drop_moved, plan.states)), plan.actions)
             if plan not in self._given:
                 self._given.add(plan)
                 return plan
@@ -201,10 +201,12 @@ class Detours:
     def _can_be_moved_first(self, obstruction: Obstruction) -> bool:
         """No support can be moved, nor a box before what is on top of it is picked up."""
         (name, args), box = obstruction
-        return box in self._domain.boxes and not (name == "pick" and box in beneath(args[0], supporters(self._initial)))
+        return box in self._domain.boxes and not (
+            name == "pick" and box in objects_beneath(args[0], supporters(self._initial))
+        )
 
     def _stream_around(self, obstructions: frozenset[Obstruction]) -> PlanStream:
-        domain = self._domain.minding(obstructions)
+        domain = self._domain.with_obstructions(obstructions)
         guide = MoveCount(domain, self._goal, weight=1.0, obstructions=obstructions)
         return PlanStream(domain, self._initial, self._goal, guide)
 
@@ -216,5 +218,5 @@ def _skeleton(path: _Path) -> Skeleton:
     )
 
 
-def _without_moved(state: State) -> State:
+def _drop_moved(state: State) -> State:
     return frozenset(atom for atom in state if atom.predicate != MOVED)

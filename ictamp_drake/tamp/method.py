@@ -21,7 +21,7 @@ from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.skills.runner import SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig
@@ -36,7 +36,7 @@ class Samplers:
     """Sources of the skill parameter k."""
 
     policy: PolicyConfig = PolicyConfig()
-    optimisation: OptimisationConfig = OptimisationConfig()
+    optimisation: OptimizationConfig = OptimizationConfig()
     uniform: UniformConfig = UniformConfig()
 
 
@@ -93,12 +93,12 @@ def choices(configs: type) -> tuple[str, ...]:
     return tuple(field.name.replace("_", "-") for field in dataclasses.fields(configs))
 
 
-def chosen(configs: object, choice: str) -> Any:
+def choose_config(configs: object, choice: str) -> Any:
     """The configuration with that name."""
     return getattr(configs, choice.replace("-", "_"))
 
 
-def one_of(names: tuple[str, ...]) -> Any:
+def describe_choices(names: tuple[str, ...]) -> Any:
     """How the help shows an option that takes one of the names."""
     return tyro.conf.arg(metavar=f"{{{','.join(names)}}}")
 
@@ -135,10 +135,10 @@ class Method:
     time_limit: float = 60.0
     max_steps: int | None = None
     seed: int = 0
-    sampler: Annotated[str, one_of(choices(Samplers))] = "policy"
-    estimator: Annotated[str, one_of(choices(Estimators))] = "p-score"
-    generator: Annotated[str, one_of(choices(Generators))] = "breadth-first"
-    planner: Annotated[str, one_of(choices(Planners))] = "completion-tree"
+    sampler: Annotated[str, describe_choices(choices(Samplers))] = "policy"
+    estimator: Annotated[str, describe_choices(choices(Estimators))] = "p-score"
+    generator: Annotated[str, describe_choices(choices(Generators))] = "breadth-first"
+    planner: Annotated[str, describe_choices(choices(Planners))] = "completion-tree"
     max_expansions: int = PlannerConfig.max_expansions
     verify: Verification = "none"
     execution: Annotated[Execution, tyro.conf.arg(name="physics")] = "each-step"
@@ -186,10 +186,10 @@ class Method:
     def parts(self) -> Parts:
         """All that is chosen."""
         return Parts(
-            chosen(self.samplers, self.sampler),
+            choose_config(self.samplers, self.sampler),
             self.estimator_config,
-            chosen(self.generators, self.generator),
-            chosen(self.planners, self.planner),
+            choose_config(self.generators, self.generator),
+            choose_config(self.planners, self.planner),
         )
 
     @property
@@ -198,7 +198,7 @@ class Method:
         if self.planner == "stap":
             stap, critics = self.planners.stap, self.estimators.q_value
             return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
-        return chosen(self.estimators, self.estimator)
+        return choose_config(self.estimators, self.estimator)
 
     @property
     def verification(self) -> PhysicsConfig | None:

@@ -18,7 +18,7 @@ from ictamp_drake.core.types import Action, Attempt, Configuration, GripperComma
 from ictamp_drake.scenes.spec import SceneSpec, to_yaml
 from ictamp_drake.symbolic.goals import parse_goal
 from ictamp_drake.tamp.replay import Replay, duration, replay
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.commands import arm_trajectory
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.world import World
@@ -101,7 +101,7 @@ class Plan:
         world = World(self.spec)
         return replay(
             (physics or PhysicsConfig()).create(world),
-            abstraction=Abstraction(world),
+            abstraction=SceneAbstraction(world),
             goal=parse_goal(self.spec.goal, sorted(self.spec.boxes), sorted(self.spec.supports)),
             c=self.c,
             attempts=self.attempts,

@@ -8,7 +8,7 @@ from time import process_time
 
 from ictamp_drake.core.types import Atom, Attempt, Configuration
 from ictamp_drake.planning.tree import ROOT, Step, Tree
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.outcome import Frame, Outcome
 from ictamp_drake.world.simulate import Physics
 
@@ -43,7 +43,7 @@ class Replay:
 def replay(
     physics: Physics,
     *,
-    abstraction: Abstraction,
+    abstraction: SceneAbstraction,
     goal: frozenset[Atom],
     c: Configuration,
     attempts: Sequence[Attempt[Configuration]],

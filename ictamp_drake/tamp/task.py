@@ -10,7 +10,7 @@ from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.observed import Start, observed_scene
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.start import start_configuration
@@ -37,7 +37,7 @@ class Task:
     spec: SceneSpec
     world: World
     physics: Physics
-    abstraction: Abstraction
+    abstraction: SceneAbstraction
     c: Configuration
     s: State
     goal: frozenset[Atom]
@@ -76,7 +76,7 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
     goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"{where}: goal")
     world = World(spec)
     physics = method.physics.create(world)
-    abstraction = Abstraction(world, method.predicates)
+    abstraction = SceneAbstraction(world, method.predicates)
     c, s = start_configuration(world, abstraction, physics, where)
     check_goal(goal, s, f"{where}: goal")
     roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))

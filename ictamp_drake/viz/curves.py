@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, StrMe
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.viz.figures import GRID
 
-COLOURS = (
+COLORS = (
     *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"),
     *("#882255", "#999933", "#888888", "#332288"),
 )
@@ -51,11 +51,11 @@ def _panel(axes: Axes, runs: pd.DataFrame, figure: str, end: float) -> None:
     """A curve a strategy; one that did not run here has an empty one, so that all panels have the same lines."""
     least, most = runs.loc[runs["solved"], figure].agg(["min", "max"])
     end = max(end, most)  # the end itself when most is nan
-    for name, (colour, dash) in zip(runs["strategy"].cat.categories, styles(), strict=False):
+    for name, (color, dash) in zip(runs["strategy"].cat.categories, styles(), strict=False):
         of = runs[runs["strategy"] == name]
         solved = of.loc[of["solved"], figure].to_numpy(np.float64)
         reached, share = curve(solved, len(of), end) if len(of) else (np.empty(0), np.empty(0))
-        axes.step(reached, share, where="post", color=colour, ls=dash, lw=1.6, label=name)
+        axes.step(reached, share, where="post", color=color, ls=dash, lw=1.6, label=name)
     if least > 0:
         axes.set(xscale="log", xlim=(least / BEYOND, end))
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -84,5 +84,5 @@ def styles() -> Iterator[tuple[str, tuple[float, tuple[float, ...]]]]:
     """Colour and dashes of each strategy, in their order."""
     number = 0
     while True:
-        yield COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
+        yield COLORS[number % len(COLORS)], DASHES[number % len(DASHES)]
         number += 1

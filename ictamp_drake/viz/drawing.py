@@ -120,9 +120,9 @@ class Drawing:
         if path.suffix == ".svg":
             path.write_text(self._svg(), encoding="utf-8")
         else:
-            self._rasterise(path)
+            self._rasterize(path)
 
-    def _sorted(self) -> list[_Line | _Dot | _Text]:
+    def _sort_items(self) -> list[_Line | _Dot | _Text]:
         return [item for _, item in sorted(self._items, key=lambda item: item[0])]
 
     def _svg(self) -> str:
@@ -133,7 +133,7 @@ class Drawing:
         )
         paper = '<rect width="100%" height="100%" fill="white"/>'
         return "\n".join(
-            ['<?xml version="1.0" encoding="utf-8"?>', head, paper, *map(self._tag, self._sorted()), "</svg>\n"]
+            ['<?xml version="1.0" encoding="utf-8"?>', head, paper, *map(self._tag, self._sort_items()), "</svg>\n"]
         )
 
     def _tag(self, item: _Line | _Dot | _Text) -> str:
@@ -143,7 +143,7 @@ class Drawing:
                 dashes = "" if item.dashes is None else f' stroke-dasharray="{" ".join(map(_number, item.dashes))}"'
                 return (
                     f'<polyline points="{path}" fill="none" stroke="{item.color}" stroke-width="{_number(item.width)}" '
-                    f'stroke-linejoin="round"{dashes}{_faint(item.opacity)}/>'
+                    f'stroke-linejoin="round"{dashes}{_opacity(item.opacity)}/>'
                 )
             case _Dot():
                 return self._dot_tag(item)
@@ -152,11 +152,11 @@ class Drawing:
                 bold = ' font-weight="bold"' if item.bold else ""
                 return (
                     f'<text x="{x}" y="{y}" font-size="{_number(item.size)}" text-anchor="{item.anchor}" '
-                    f'fill="{item.color}"{bold}{_faint(item.opacity)}>{escape(item.text, quote=False)}</text>'
+                    f'fill="{item.color}"{bold}{_opacity(item.opacity)}>{escape(item.text, quote=False)}</text>'
                 )
 
     def _dot_tag(self, dot: _Dot) -> str:
-        stroke = f'stroke="{dot.edge}" stroke-width="{_number(dot.width)}"{_faint(dot.opacity)}'
+        stroke = f'stroke="{dot.edge}" stroke-width="{_number(dot.width)}"{_opacity(dot.opacity)}'
         half = dot.size / 2
         x, y = self._place(dot.at)
         if dot.shape == "circle":
@@ -171,14 +171,14 @@ class Drawing:
         """In the file, so far [pt] from a point."""
         return _number(_INCH * (point[0] - self.left) + right), _number(_INCH * (self.top - point[1]) + down)
 
-    def _rasterise(self, path: Path) -> None:
+    def _rasterize(self, path: Path) -> None:
         from matplotlib.figure import Figure  # noqa: PLC0415  (takes long to load, and is seldom needed)
 
         figure = Figure(figsize=(self.width, self.height))
         axes = figure.add_axes((0, 0, 1, 1))
         axes.set(xlim=(self.left, self.left + self.width), ylim=(self.top - self.height, self.top))
         axes.set_axis_off()
-        for order, item in enumerate(self._sorted(), start=3):
+        for order, item in enumerate(self._sort_items(), start=3):
             match item:
                 case _Line(points, color, width, dashes, opacity):
                     style = "-" if dashes is None else (0.0, dashes)
@@ -198,5 +198,5 @@ def _number(value: float) -> str:
     return f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".")  # + 0.0 makes 0 of -0
 
 
-def _faint(opacity: float) -> str:
+def _opacity(opacity: float) -> str:
     return "" if opacity == 1.0 else f' opacity="{_number(opacity)}"'

@@ -43,8 +43,8 @@ def _bars(axes: Axes, means: pd.DataFrame) -> None:
     left = np.zeros(len(means))
     for number, stage in enumerate(map(str, means)):
         width = means[stage].fillna(0.0).to_numpy(np.float64)
-        colour = STAGES.get(stage, f"C{number}")
-        axes.barh(list(means.index), width, left=left, height=0.7, color=colour, label=stage)
+        color = STAGES.get(stage, f"C{number}")
+        axes.barh(list(means.index), width, left=left, height=0.7, color=color, label=stage)
         left += width
     axes.set_ylim(len(means) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
@@ -84,8 +84,8 @@ def _heat(axes: Axes, means: pd.DataFrame, columns: int) -> None:
     darkest = max(0.3, share.max())
     axes.imshow(share, cmap="Blues", vmin=0, vmax=darkest, aspect="auto")
     for (row, column), value in np.ndenumerate(values):
-        colour = "white" if share[row, column] > 0.55 * darkest else LABEL
-        axes.text(column, row, f"{value:.1f}" if value else "", ha="center", va="center", color=colour, fontsize=8)
+        color = "white" if share[row, column] > 0.55 * darkest else LABEL
+        axes.text(column, row, f"{value:.1f}" if value else "", ha="center", va="center", color=color, fontsize=8)
     axes.set_yticks(range(len(means)), list(means.index))
     axes.set_xticks(range(columns))
     axes.set_xlim(-0.5, columns - 0.5)

@@ -30,20 +30,20 @@ def picture(spec: SceneSpec, c: Configuration, stage: Stage | None = None) -> np
     visible = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kIllustration)
     parts = [_part(query, geometry) for geometry in sorted(visible, key=GeometryId.get_value)]
     camera = Camera(*viewpoint(spec), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT)
-    triangles, colours = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    return render(triangles, colours, camera, np.array(BACKGROUND))
+    triangles, colors = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return render(triangles, colors, camera, np.array(BACKGROUND))
 
 
 def _part(query: QueryObject, geometry: GeometryId) -> tuple[FloatArray, FloatArray]:
     """Triangles in W and their colours."""
     inspector = query.inspector()
-    triangles, colour = _triangles(inspector.GetShape(geometry))
-    if colour is None:
+    triangles, color = _triangles(inspector.GetShape(geometry))
+    if color is None:
         rgba = inspector.GetIllustrationProperties(geometry).GetProperty("phong", "diffuse")
-        colour = np.array([rgba.r(), rgba.g(), rgba.b()])
+        color = np.array([rgba.r(), rgba.g(), rgba.b()])
     X_WG = query.GetPoseInWorld(geometry)
     in_world = triangles @ X_WG.rotation().matrix().T + X_WG.translation()
-    return in_world, np.broadcast_to(colour, (len(triangles), 3))
+    return in_world, np.broadcast_to(color, (len(triangles), 3))
 
 
 def _triangles(shape: Shape) -> tuple[FloatArray, FloatArray | None]:

@@ -42,12 +42,12 @@ class Camera:
         return np.stack([self._focal * x / depth + width / 2, self._focal * y / depth + height / 2, depth], axis=-1)
 
 
-def render(triangles: FloatArray, colours: FloatArray, camera: Camera, background: FloatArray) -> NDArray[np.uint8]:
+def render(triangles: FloatArray, colors: FloatArray, camera: Camera, background: FloatArray) -> NDArray[np.uint8]:
     """A picture of triangles that all lie before the camera; those that show it their back are left out.
 
     Args:
         triangles: corners in W [m], counterclockwise seen from outside, shape (n, 3, 3).
-        colours: red, green, blue in [0, 1], shape (n, 3).
+        colors: red, green, blue in [0, 1], shape (n, 3).
         background: colours of its rows from top to bottom, spread evenly, shape (m, 3).
 
     Returns:
@@ -56,7 +56,7 @@ def render(triangles: FloatArray, colours: FloatArray, camera: Camera, backgroun
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     seen = np.sum(normals * (camera.eye - triangles[:, 0]), axis=1) > _EDGE_ON
-    shaded = colours[seen] * _brightness(normals[seen])[:, None]
+    shaded = colors[seen] * _brightness(normals[seen])[:, None]
     rows = np.linspace(0, len(background) - 1, camera.shape[0])
     backdrop = np.stack([np.interp(rows, np.arange(len(background)), channel) for channel in background.T], axis=1)
     front = _front(camera.project(triangles[seen]), camera.shape)
@@ -78,7 +78,7 @@ def _front(corners: FloatArray, shape: tuple[int, int]) -> NDArray[np.int64]:
     count = end - first
     row = np.repeat(np.arange(len(y)), count)
     x = np.arange(len(row)) - np.repeat(np.cumsum(count) - count - first, count)
-    slope, rest = _along(np.einsum("ti,tij->tj", 1 / corners[..., 2], planes)[triangle], y)
+    slope, rest = _line_on_row(np.einsum("ti,tij->tj", 1 / corners[..., 2], planes)[triangle], y)
     nearness = slope[row] * (x + 0.5) + rest[row]  # 1 / depth is linear in the picture
     place = y[row] * shape[1] + x
     nearest = np.full(shape[0] * shape[1], -np.inf)
@@ -113,7 +113,7 @@ def _spans(planes: FloatArray, y: NDArray[np.int64], width: int) -> tuple[NDArra
         y: the rows, shape (n,).
         width: of the picture [samples].
     """
-    slope, rest = _along(planes, y)
+    slope, rest = _line_on_row(planes, y)
     with np.errstate(divide="ignore", invalid="ignore"):
         edge = -rest / slope
     outside = np.where((slope == 0) & (rest < 0), np.inf, -np.inf)
@@ -123,7 +123,7 @@ def _spans(planes: FloatArray, y: NDArray[np.int64], width: int) -> tuple[NDArra
     return first.astype(int), np.clip(np.floor(high - 0.5) + 1, first, width).astype(int)
 
 
-def _along(planes: FloatArray, y: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+def _line_on_row(planes: FloatArray, y: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
     """What a plane (..., 3) is on a row of samples: slope and value at the left end, shape (...) each."""
     middle = (y + 0.5).reshape(-1, *[1] * (planes.ndim - 2))
     return planes[..., 0], planes[..., 1] * middle + planes[..., 2]

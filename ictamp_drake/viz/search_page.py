@@ -105,10 +105,13 @@ def _motions(
 
 def _motion(stage: Stage, frames: Sequence[Frame]) -> dict[str, Any]:
     """Its end [s], and for each body times and poses of its keys in their units."""
-    return {"end": round(frames[-1].time, 3), "tracks": [_whole(track) for track in tracks(stage, frames).values()]}
+    return {
+        "end": round(frames[-1].time, 3),
+        "tracks": [_to_integers(track) for track in tracks(stage, frames).values()],
+    }
 
 
-def _whole(track: Track) -> list[list[int]]:
+def _to_integers(track: Track) -> list[list[int]]:
     times = np.rint(track.times / TIME_UNIT).astype(int)
     poses = np.rint(track.poses / POSE_UNIT).astype(int)
     return [times.tolist(), poses.ravel().tolist()]

@@ -20,13 +20,13 @@ _FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3
 
 def box(size: FloatArray) -> FloatArray:
     """A box about the origin with these sides [m], shape (3,)."""
-    return _halved(_CORNERS[_FACES] * (np.asarray(size) / 2))
+    return _split_quads(_CORNERS[_FACES] * (np.asarray(size) / 2))
 
 
 def cylinder(radius: float, length: float) -> FloatArray:
     """A cylinder about the origin along z."""
     half = length / 2
-    return _revolved(np.array([[0.0, -half], [radius, -half], [radius, half], [0.0, half]]))
+    return _revolve(np.array([[0.0, -half], [radius, -half], [radius, half], [0.0, half]]))
 
 
 def capsule(radius: float, length: float) -> FloatArray:
@@ -35,19 +35,19 @@ def capsule(radius: float, length: float) -> FloatArray:
     profile = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     middle = len(profile) // 2
     ends = profile[: middle + 1] - [0.0, length / 2], profile[middle:] + [0.0, length / 2]
-    return _revolved(np.concatenate(ends))
+    return _revolve(np.concatenate(ends))
 
 
-def _revolved(profile: FloatArray) -> FloatArray:
+def _revolve(profile: FloatArray) -> FloatArray:
     """What a line (distance from the z axis, z), from its lowest to its highest point, sweeps about the axis."""
     angles = np.linspace(0, 2 * np.pi, SECTIONS + 1)
     x, y = (np.outer(profile[:, 0], turn) for turn in (np.cos(angles), np.sin(angles)))
     points = np.stack([x, y, np.broadcast_to(profile[:, 1:], x.shape)], axis=-1)
     quads = np.stack([points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]], axis=2)
-    return _halved(quads.reshape(-1, 4, 3))
+    return _split_quads(quads.reshape(-1, 4, 3))
 
 
-def _halved(quads: FloatArray) -> FloatArray:
+def _split_quads(quads: FloatArray) -> FloatArray:
     """Two triangles for each quadrilateral, shape (n, 4, 3) -> (2 n, 3, 3)."""
     return quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
 
@@ -68,5 +68,5 @@ def read_gltf(path: Path) -> tuple[FloatArray, FloatArray]:
         )
     )
     x, y, z = np.moveaxis(points.reshape(-1, 3)[indices.reshape(-1, 3)].astype(float), -1, 0)
-    colour = document["materials"][primitive["material"]]["pbrMetallicRoughness"]["baseColorFactor"]
-    return np.stack([x, -z, y], axis=-1), np.array(colour[:3])  # glTF's y axis is up
+    color = document["materials"][primitive["material"]]["pbrMetallicRoughness"]["baseColorFactor"]
+    return np.stack([x, -z, y], axis=-1), np.array(color[:3])  # glTF's y axis is up

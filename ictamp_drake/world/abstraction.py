@@ -7,7 +7,7 @@ from ictamp_drake.world.predicates import Evaluation, PredicateConfig, Scene
 from ictamp_drake.world.world import World
 
 
-class Abstraction:
+class SceneAbstraction:
     """H of one scene.
 
     on(a, b): b carries a, and a is upright. lying(a, b): b carries a, which is tipped over onto a side or its head.
@@ -22,13 +22,13 @@ class Abstraction:
         self._boxes = sorted(world.spec.boxes)
         self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
         self._predicates: dict[str, Callable[..., Evaluation]] = {
-            "on": self._on,
-            "lying": self._lying,
-            "in-hand": self._in_hand,
-            "clear": self._clear,
-            "hand-empty": self._hand_empty,
-            "upright": self._upright,
-            "tipped": self._tipped,
+            "on": self._evaluate_on,
+            "lying": self._evaluate_lying,
+            "in-hand": self._evaluate_in_hand,
+            "clear": self._evaluate_clear,
+            "hand-empty": self._evaluate_hand_empty,
+            "upright": self._evaluate_upright,
+            "tipped": self._evaluate_tipped,
         }
 
     def __call__(self, c: Configuration) -> State:
@@ -52,28 +52,28 @@ class Abstraction:
     def _evaluate(self, scene: Scene, atom: Atom) -> Evaluation:
         return self._predicates[atom.predicate](scene, *atom.args)
 
-    def _on(self, scene: Scene, a: str, b: str) -> Evaluation:
-        carried = scene.carried(a, b)
+    def _evaluate_on(self, scene: Scene, a: str, b: str) -> Evaluation:
+        carried = scene.evaluate_carried(a, b)
         return Evaluation(carried.holds and scene.boxes[a].is_upright, carried.quantities)
 
-    def _lying(self, scene: Scene, a: str, b: str) -> Evaluation:
-        carried = scene.carried(a, b)
+    def _evaluate_lying(self, scene: Scene, a: str, b: str) -> Evaluation:
+        carried = scene.evaluate_carried(a, b)
         return Evaluation(carried.holds and not scene.boxes[a].is_upright, carried.quantities)
 
-    def _in_hand(self, scene: Scene, a: str) -> Evaluation:
-        gripped = scene.gripped(a)
-        resting = any(scene.above(a, b).holds for b in self._receptacles if b != a)
+    def _evaluate_in_hand(self, scene: Scene, a: str) -> Evaluation:
+        gripped = scene.evaluate_gripped(a)
+        resting = any(scene.evaluate_above(a, b).holds for b in self._receptacles if b != a)
         return Evaluation(gripped.holds and not resting, gripped.quantities)
 
-    def _clear(self, scene: Scene, a: str) -> Evaluation:
-        covered = any(scene.above(b, a).holds for b in self._boxes if b != a)
-        return Evaluation(not covered and not self._in_hand(scene, a).holds, {})
+    def _evaluate_clear(self, scene: Scene, a: str) -> Evaluation:
+        covered = any(scene.evaluate_above(b, a).holds for b in self._boxes if b != a)
+        return Evaluation(not covered and not self._evaluate_in_hand(scene, a).holds, {})
 
-    def _hand_empty(self, scene: Scene) -> Evaluation:
-        return Evaluation(not any(self._in_hand(scene, a).holds for a in self._boxes), {})
+    def _evaluate_hand_empty(self, scene: Scene) -> Evaluation:
+        return Evaluation(not any(self._evaluate_in_hand(scene, a).holds for a in self._boxes), {})
 
-    def _upright(self, scene: Scene, a: str) -> Evaluation:
-        return Evaluation(scene.boxes[a].is_upright, scene.tilt(a).quantities)
+    def _evaluate_upright(self, scene: Scene, a: str) -> Evaluation:
+        return Evaluation(scene.boxes[a].is_upright, scene.evaluate_tilt(a).quantities)
 
-    def _tipped(self, scene: Scene, a: str) -> Evaluation:
-        return Evaluation(not scene.boxes[a].is_upright, scene.tilt(a).quantities)
+    def _evaluate_tipped(self, scene: Scene, a: str) -> Evaluation:
+        return Evaluation(not scene.boxes[a].is_upright, scene.evaluate_tilt(a).quantities)

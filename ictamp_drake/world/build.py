@@ -102,11 +102,11 @@ def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
 def _panda_sdf(visible: bool) -> str:
     """Drake takes 0.03 s longer to parse a file than to parse its text."""
     text = (PACKAGE_FILE.parent / "sdf" / "panda.sdf").read_text(encoding="utf-8")
-    return _with_shapes(text, visible)
+    return _keep_shapes(text, visible)
 
 
 def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, visible: bool) -> RigidBody:
-    (instance,) = parser.AddModelsFromString(_with_shapes(sdf, visible), "sdf")
+    (instance,) = parser.AddModelsFromString(_keep_shapes(sdf, visible), "sdf")
     return plant.get_body(plant.GetBodyIndices(instance)[0])
 
 
@@ -130,7 +130,7 @@ def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
             plant.RegisterCollisionGeometry(world, X_WS, Sphere(*shape.size), f"{name}_{shape.name}", surface)
 
 
-def _with_shapes(sdf: str, visible: bool) -> str:
+def _keep_shapes(sdf: str, visible: bool) -> str:
     """The model without the shapes of the other kind, which take a third of the time to parse it."""
     return (_COLLISION if visible else _VISUAL).sub("", sdf)
 

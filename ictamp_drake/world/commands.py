@@ -93,7 +93,7 @@ def _arm_piece(segment: Segment, start: float) -> Trajectory:
     return BsplineTrajectory(BsplineBasis(segment.order, knots), segment.control_points.T)
 
 
-def obeyed_at(gripper: GripperCommand, segments: Sequence[Segment]) -> float:
+def obedience_time(gripper: GripperCommand, segments: Sequence[Segment]) -> float:
     """When the hand has obeyed the last command of a motion [s]; may be after the motion's end."""
     return max((change.arrival for change in _changes(gripper, segments)), default=0.0)
 

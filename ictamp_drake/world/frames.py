@@ -37,16 +37,16 @@ class Upright:
         return self.axis == 2 and self.sign == 1
 
 
-def upright(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> Upright:
+def upright_frame(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> Upright:
     """The box as it lies, from X_WO, shape (7,), and its sides along O's axes [m].
 
     U = O for a box that stands upright; otherwise U's x is the O axis that follows U's z cyclically.
     """
-    return _upright(pose.tobytes(), tuple(size))
+    return _upright_frame(pose.tobytes(), tuple(size))
 
 
 @lru_cache(maxsize=256)
-def _upright(pose: bytes, size: tuple[float, ...]) -> Upright:
+def _upright_frame(pose: bytes, size: tuple[float, ...]) -> Upright:
     """Many questions about the same few boxes come one after the other."""
     X_WO = to_transform(np.frombuffer(pose))
     vertical = X_WO.rotation().matrix()[2]

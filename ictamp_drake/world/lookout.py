@@ -37,15 +37,15 @@ class Lookout:
 
     def touches(self, q: FloatArray, tolerance: float) -> list[Touch]:
         """Whatever is at most `tolerance` [m] apart where the positions of everything, in the plant's order, are q."""
-        return self._world.touches_in(self._at(q, self._all), tolerance)
+        return self._world.touches_in(self._evaluate_at(q, self._all), tolerance)
 
-    def passing(self, q: FloatArray) -> list[Touch]:
+    def list_passing(self, q: FloatArray) -> list[Touch]:
         """What touches in the positions q, but for boxes that touch supports."""
-        return self._world.touches_in(self._at(q, self._passing), 0.0)
+        return self._world.touches_in(self._evaluate_at(q, self._passing), 0.0)
 
     def overhang(self, q: FloatArray, boxes: Collection[str]) -> bool:
         """Whether one of these boxes stands on a support and reaches beyond its rim in the positions q."""
-        context = self._at(q, self._passing)
+        context = self._evaluate_at(q, self._passing)
         plant, bodies = self._world.plant, self._world.bodies.boxes
         plant_context = plant.GetMyContextFromRoot(context)
         for name in boxes:
@@ -59,7 +59,7 @@ class Lookout:
                     return True
         return False
 
-    def _at(self, q: FloatArray, context: Context) -> Context:
+    def _evaluate_at(self, q: FloatArray, context: Context) -> Context:
         plant = self._world.plant
         plant.SetPositions(plant.GetMyMutableContextFromRoot(context), q)
         return context

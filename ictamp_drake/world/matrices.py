@@ -42,8 +42,8 @@ def grasps(k: FloatArray) -> FloatArray:
     return level(k) * [1.0, -1.0, -1.0, 1.0]
 
 
-def all_upright(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """X_WU, the sides along U's axes, and which boxes stand upright: `frames.upright` for many boxes at once.
+def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """X_WU, the sides along U's axes, and which boxes stand upright: `frames.upright_frame` for many boxes at once.
 
     Args:
         X_WO: shape (n, m, 4, 4).

@@ -11,7 +11,7 @@ from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, StartSpec
-from ictamp_drake.world.frames import upright
+from ictamp_drake.world.frames import upright_frame
 from ictamp_drake.world.poses import to_pose, to_transform
 
 MAX_GAP = 0.01
@@ -79,7 +79,7 @@ def _at(box: BoxSpec, X_WO: RigidTransform) -> BoxSpec:
 def _set_down(spec: SceneSpec, name: str) -> BoxSpec:
     """The box upright on the top face beneath its centre that is nearest to its lower face, if one is near."""
     box = spec.boxes[name]
-    lying = upright(box.X_WO, box.size)
+    lying = upright_frame(box.X_WO, box.size)
     R_WU = lying.X_WU.rotation()
     if np.arccos(np.clip(R_WU.matrix()[2, 2], -1, 1)) > MAX_TILT:
         return box
@@ -100,7 +100,7 @@ def _tops(spec: SceneSpec, name: str, p_W: FloatArray) -> list[float]:
     tops = [(to_transform(support.X_WT), np.array(support.size[:2])) for support in spec.supports.values()]
     for other, box in spec.boxes.items():
         if other != name:
-            lying = upright(box.X_WO, box.size)
+            lying = upright_frame(box.X_WO, box.size)
             tops.append((lying.X_WT, lying.size[:2]))
     inside = ((X_WT, np.abs((X_WT.inverse() @ p_W)[:2]) <= size / 2) for X_WT, size in tops)
     return [float(X_WT.translation()[2]) for X_WT, within in inside if within.all()]

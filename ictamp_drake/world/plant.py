@@ -135,7 +135,7 @@ class SimulatedScene(SimulatedPlant):
         self._boxes = {body.index(): name for name, body in self.bodies.boxes.items()}
         self._fingers = [body.index() for body in self.bodies.fingers]
 
-    def gripped(self, force: float) -> str | None:
+    def find_gripped(self, force: float) -> str | None:
         """The box that each finger presses with a force [N] at least, if any, as of the last step."""
         results = self.plant.get_contact_results_output_port().Eval(self.context)
         forces: dict[str, list[float]] = {name: [0.0, 0.0] for name in self.bodies.boxes}

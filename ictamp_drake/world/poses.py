@@ -17,6 +17,6 @@ def to_pose(X: RigidTransform) -> FloatArray:
     return np.concatenate([X.rotation().ToQuaternion().wxyz(), X.translation()])
 
 
-def normalised(pose: FloatArray) -> FloatArray:
+def normalize_quaternion(pose: FloatArray) -> FloatArray:
     """The same pose with a quaternion of length one, which integration does not keep."""
     return np.concatenate([pose[:4] / np.linalg.norm(pose[:4]), pose[4:]])

@@ -43,18 +43,18 @@ class Scene:
         self.world = world
         self.c = c
         self.config = config
-        self.boxes = {name: world.upright(c, name) for name in world.spec.boxes}
+        self.boxes = {name: world.upright_frame(c, name) for name in world.spec.boxes}
         touches = world.touches(c, config.contact)
         self._touches = {(t.a, t.b): t for t in touches}
         self._touches |= {(t.b, t.a): Touch(t.b, t.a, t.distance, -t.normal) for t in touches}
         self._carried: dict[tuple[str, str], Evaluation] = {}
 
-    def tilt(self, a: str) -> Evaluation:
+    def evaluate_tilt(self, a: str) -> Evaluation:
         """Whether one of a's faces is level; how far it is from that."""
         angle = float(np.arccos(np.clip(self.boxes[a].X_WU.rotation().matrix()[2, 2], -1.0, 1.0)))
         return Evaluation(angle <= self.config.tilt, {"tilt": angle})
 
-    def above(self, a: str, b: str) -> Evaluation:
+    def evaluate_above(self, a: str, b: str) -> Evaluation:
         """Whether a touches b from above."""
         touch = self._touches.get((a, b))
         if touch is None:
@@ -62,20 +62,20 @@ class Scene:
         slope = float(np.arccos(np.clip(touch.normal[2], -1.0, 1.0)))
         return Evaluation(slope <= self.config.slope, {"distance": touch.distance, "slope": slope})
 
-    def carried(self, a: str, b: str) -> Evaluation:
+    def evaluate_carried(self, a: str, b: str) -> Evaluation:
         """Whether b carries a: contact from above, the centre of mass of a inside b's top face, and a level."""
         if (a, b) not in self._carried:
-            self._carried[a, b] = self._evaluate_carried(a, b)
+            self._carried[a, b] = self._compute_carried(a, b)
         return self._carried[a, b]
 
-    def _evaluate_carried(self, a: str, b: str) -> Evaluation:
-        above, tilt = self.above(a, b), self.tilt(a)
+    def _compute_carried(self, a: str, b: str) -> Evaluation:
+        above, tilt = self.evaluate_above(a, b), self.evaluate_tilt(a)
         p_TA = self.world.X_WT(self.c, b).inverse() @ self.boxes[a].X_WU.translation()
         overhang = float(np.max(np.abs(p_TA[:2]) - self.world.top_size(self.c, b) / 2))
         holds = above.holds and tilt.holds and overhang <= 0 < p_TA[2]
         return Evaluation(holds, {**above.quantities, **tilt.quantities, "overhang": overhang})
 
-    def gripped(self, a: str) -> Evaluation:
+    def evaluate_gripped(self, a: str) -> Evaluation:
         """Whether both fingers touch a, and none cuts into it."""
         distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in FINGERS}
         return Evaluation(max(map(abs, distances.values())) <= self.config.contact, distances)

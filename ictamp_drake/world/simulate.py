@@ -13,11 +13,11 @@ from ictamp_drake.core.checks import check_fields, check_vector
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.world.build import add_arm
-from ictamp_drake.world.commands import desired_positions, feedforward, obeyed_at, stand_still
+from ictamp_drake.world.commands import desired_positions, feedforward, obedience_time, stand_still
 from ictamp_drake.world.lookout import Lookout
 from ictamp_drake.world.outcome import Frame, Outcome, Tape
 from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
-from ictamp_drake.world.poses import normalised
+from ictamp_drake.world.poses import normalize_quaternion
 from ictamp_drake.world.sleep import NEAR, Sleepers
 from ictamp_drake.world.world import World
 
@@ -197,7 +197,7 @@ class Physics:
         tape.add(0, self._scene.x)
         self._looked = (self._scene.x, self._scene.x)
         self._tell(motion)
-        step, elapsed, obeyed = 0, 0.0, config.steps(obeyed_at(self._command[1], motion))
+        step, elapsed, obeyed = 0, 0.0, config.steps(obedience_time(self._command[1], motion))
         for segment in motion:
             elapsed += segment.duration
             end = config.steps(elapsed)
@@ -208,18 +208,18 @@ class Physics:
         touches = motion[-1].touches if motion else None
         if step < obeyed:
             step = self._simulate(touches if sleep else None, [*range(step, obeyed, period), obeyed], tape)
-        if not motion or self._moving():
+        if not motion or self._find_moving():
             end = step + config.steps(config.settle_time)
             looks = range(step, end + 1, config.steps(config.settle_check))
             step = self._simulate(touches if sleep else None, looks, tape, until_rest=True)
         waited = step * config.time_step - elapsed
         rest = (stand_still("rest", waited, *self._command, touches),) if motion and waited > 1e-9 else ()
-        return Outcome(self.configuration(), not self._moving(), None, (*motion, *rest), tape.recording)
+        return Outcome(self.configuration(), not self._find_moving(), None, (*motion, *rest), tape.recording)
 
     def _tell(self, motion: Sequence[Segment]) -> None:
         """Give both plants the commands of a motion."""
         config, (q, gripper) = self.config, self._command
-        end = max(sum(segment.duration for segment in motion), obeyed_at(gripper, motion)) + config.settle_time
+        end = max(sum(segment.duration for segment in motion), obedience_time(gripper, motion)) + config.settle_time
         end += 2 * (config.settle_check + config.time_step)
         positions, efforts = desired_positions(q, gripper, motion, end), feedforward(gripper, motion, end)
         for simulated in (self._scene, self._arm):
@@ -232,7 +232,7 @@ class Physics:
             self._sleepers.wake()
         else:
             near = self._lookout.touches(self._positions(), NEAR)
-            awake = self._sleepers.connected(near, touches | self._moving() | self._gathering_speed())
+            awake = self._sleepers.find_connected(near, touches | self._find_moving() | self._find_gathering_speed())
             self._sleepers.let_sleep(frozenset(self._boxes) - awake)
             if not touches and not awake:
                 simulated = self._arm
@@ -269,16 +269,16 @@ class Physics:
             self._looked = self._looked[1], x
             tape.add(step, x)
             self._look(arm_alone=simulated is self._arm)
-            if until_rest and not self._moving():
+            if until_rest and not self._find_moving():
                 break
         if later:
-            self._held = None if simulated is self._arm else self._scene.gripped(self.config.min_pad_force)
+            self._held = None if simulated is self._arm else self._scene.find_gripped(self.config.min_pad_force)
         return step
 
     def _look(self, *, arm_alone: bool) -> None:
         """Raise when there is contact with what sleeps, or a box that overhangs in a scene without rims."""
         q = self._positions()
-        if self._sleepers.asleep and self._sleepers.disturbed(self._lookout.passing(q), arm_alone=arm_alone):
+        if self._sleepers.asleep and self._sleepers.is_disturbed(self._lookout.list_passing(q), arm_alone=arm_alone):
             raise _SleeperTouchedError
         if self._scene is self._plain and self._lookout.overhang(q, self._boxes.keys() - self._sleepers.asleep):
             raise _OverhangError
@@ -286,14 +286,14 @@ class Physics:
     def _positions(self) -> FloatArray:
         return self._scene.x[: self._scene.plant.num_positions()]
 
-    def _moving(self) -> frozenset[str]:
+    def _find_moving(self) -> frozenset[str]:
         """The boxes that are not at rest."""
-        return self._sleepers.moving(self._scene.x, self.config.rest_speed, self.config.rest_turn)
+        return self._sleepers.find_moving(self._scene.x, self.config.rest_speed, self.config.rest_turn)
 
-    def _gathering_speed(self) -> frozenset[str]:
+    def _find_gathering_speed(self) -> frozenset[str]:
         """The boxes that are slow, but faster than at the look before, as when one begins to topple."""
         before, now = self._looked
-        return self._sleepers.accelerating(before, now, self.config.rest_speed / 20, self.config.rest_turn / 20)
+        return self._sleepers.find_accelerating(before, now, self.config.rest_speed / 20, self.config.rest_turn / 20)
 
     @property
     def held(self) -> str | None:
@@ -313,7 +313,9 @@ class Physics:
     def _view(self, x: FloatArray | None = None) -> Configuration:
         """Where things are in a state of the scene, by default the state at this moment."""
         x = self._scene.x if x is None else x
-        return Configuration(x[self._q], {name: normalised(x[places]) for name, places in self._boxes.items()})
+        return Configuration(
+            x[self._q], {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
+        )
 
 
 class _SleeperTouchedError(Exception):

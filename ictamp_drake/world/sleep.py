@@ -41,18 +41,18 @@ class Sleepers:
             self._joints[name].Lock(self._context)
         self.asleep = names
 
-    def moving(self, x: FloatArray, speed: float, turn: float) -> frozenset[str]:
+    def find_moving(self, x: FloatArray, speed: float, turn: float) -> frozenset[str]:
         """The boxes that are faster than `speed` [m/s] or turn faster than `turn` [rad/s] in a state of the plant."""
         twists = ((name, x[places]) for name, places in self._velocities.items())
         return frozenset(n for n, v in twists if np.linalg.norm(v[3:]) > speed or np.linalg.norm(v[:3]) > turn)
 
-    def accelerating(self, before: FloatArray, now: FloatArray, speed: float, turn: float) -> frozenset[str]:
+    def find_accelerating(self, before: FloatArray, now: FloatArray, speed: float, turn: float) -> frozenset[str]:
         """The boxes that are faster than `speed` [m/s], or turn faster than `turn` [rad/s], and faster than before."""
         places = self._velocities
         faster = (n for n, at in places.items() if np.linalg.norm(now[at]) > np.linalg.norm(before[at]))
-        return self.moving(now, speed, turn) & frozenset(faster)
+        return self.find_moving(now, speed, turn) & frozenset(faster)
 
-    def connected(self, touches: Iterable[Touch], names: Collection[str]) -> frozenset[str]:
+    def find_connected(self, touches: Iterable[Touch], names: Collection[str]) -> frozenset[str]:
         """The boxes with these names, those that the arm touches, and all that hang together with them by contact.
 
         So whatever rests or leans on one of them, or carries it, is among them.
@@ -66,9 +66,9 @@ class Sleepers:
             for one, other in ((touch.a, touch.b), (touch.b, touch.a)):
                 if one in neighbours:
                     neighbours[one].add(other)
-        return _reached(neighbours, [name for name in neighbours if name in names or ROBOT & neighbours[name]])
+        return _find_connected(neighbours, [name for name in neighbours if name in names or ROBOT & neighbours[name]])
 
-    def disturbed(self, touches: Iterable[Touch], *, arm_alone: bool) -> bool:
+    def is_disturbed(self, touches: Iterable[Touch], *, arm_alone: bool) -> bool:
         """Whether something awake touches something asleep; an arm alone must touch nothing at all."""
         movable = self._joints.keys() | ROBOT
         for touch in touches:
@@ -79,7 +79,7 @@ class Sleepers:
         return False
 
 
-def _reached(neighbours: Mapping[str, set[str]], start: Collection[str]) -> frozenset[str]:
+def _find_connected(neighbours: Mapping[str, set[str]], start: Collection[str]) -> frozenset[str]:
     reached: set[str] = set()
     waiting = list(start)
     while waiting:

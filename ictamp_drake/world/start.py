@@ -4,7 +4,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.models.constants import ARM_LIMITS
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
@@ -13,7 +13,7 @@ MAX_OVERLAP = 0.001
 
 
 def start_configuration(
-    world: World, abstraction: Abstraction, physics: Physics, where: str
+    world: World, abstraction: SceneAbstraction, physics: Physics, where: str
 ) -> tuple[Configuration, State]:
     """c_0, the scene as specified after it has come to rest, and H(c_0).
 

@@ -11,7 +11,7 @@ from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
-from ictamp_drake.world.frames import Upright, upright
+from ictamp_drake.world.frames import Upright, upright_frame
 from ictamp_drake.world.poses import to_transform
 
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
@@ -43,7 +43,7 @@ class _Top(NamedTuple):
     size: FloatArray
 
     @classmethod
-    def of(cls, support: SupportSpec) -> "_Top":
+    def of_support(cls, support: SupportSpec) -> "_Top":
         size = np.array(support.size[:2])
         size.setflags(write=False)
         return cls(to_transform(support.X_WT), size)
@@ -61,7 +61,7 @@ class World:
         self._query_port = self.diagram.scene_graph().get_query_output_port()
         self._names = self._name_geometries()
         self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
-        self._tops = {name: _Top.of(support) for name, support in spec.supports.items()}
+        self._tops = {name: _Top.of_support(support) for name, support in spec.supports.items()}
 
     def _name_geometries(self) -> dict[object, str]:
         arm = self.plant.GetBodyIndices(self.bodies.arm)
@@ -112,18 +112,18 @@ class World:
                 found.append(Touch(a, b, distance, pair.nhat_BA_W))
         return found
 
-    def upright(self, c: Configuration, box: str) -> Upright:
+    def upright_frame(self, c: Configuration, box: str) -> Upright:
         """The box as it lies in c."""
-        return upright(c.poses[box], self.sizes[box])
+        return upright_frame(c.poses[box], self.sizes[box])
 
     def X_WT(self, c: Configuration, receptacle: str) -> RigidTransform:
         """Frame in the centre of the top face of a support or box in c."""
         if receptacle in self._tops:
             return self._tops[receptacle].X_WT
-        return self.upright(c, receptacle).X_WT
+        return self.upright_frame(c, receptacle).X_WT
 
     def top_size(self, c: Configuration, receptacle: str) -> FloatArray:
         """Sides of the top face along T's x and y, shape (2,) [m]."""
         if receptacle in self._tops:
             return self._tops[receptacle].size
-        return self.upright(c, receptacle).size[:2]
+        return self.upright_frame(c, receptacle).size[:2]

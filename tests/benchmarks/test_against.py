@@ -10,7 +10,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.against import AFTER, BEFORE, ROOT, TREES, Options, chosen, key, missing, paired, part, ratios, read
+from benchmarks.against import (
+    AFTER,
+    BEFORE,
+    ROOT,
+    TREES,
+    Options,
+    choose_problems,
+    key,
+    list_missing,
+    pair_rows,
+    part,
+    ratios,
+    read,
+)
 from benchmarks.scenes import SCENES
 
 LEVEL = "easy"
@@ -33,12 +46,12 @@ def pairs(before: list[float], after: list[float], **values: Any) -> list[dict[s
 
 def cells(rows: list[dict[str, Any]]) -> dict[str, str]:
     """The one row of the table, by headings."""
-    headings, _, line = ([cell.strip() for cell in line.split("|")[1:-1]] for line in ratios(paired(rows)))
+    headings, _, line = ([cell.strip() for cell in line.split("|")[1:-1]] for line in ratios(pair_rows(rows)))
     return dict(zip(headings, line, strict=True))
 
 
 def test_trees_take_turns_and_the_other_one_begins_the_next_round() -> None:
-    first, second = missing(PROBLEMS, 2, [])
+    first, second = list_missing(PROBLEMS, 2, [])
     assert [turn["tree"] for turn in first] == [BEFORE, AFTER] * 3
     assert [turn["tree"] for turn in second] == [AFTER, BEFORE] * 3
     assert [turn["number"] for turn in first] == [0, 0, 1, 1, 2, 2]
@@ -47,9 +60,9 @@ def test_trees_take_turns_and_the_other_one_begins_the_next_round() -> None:
 
 @given(st.sets(st.integers(0, 11)), st.sets(st.integers(0, 11)))
 def test_what_is_done_is_not_measured_again_but_what_broke_down_is(done: set[int], broken: set[int]) -> None:
-    everything = [turn for turns in missing(PROBLEMS, 2, []) for turn in turns]
+    everything = [turn for turns in list_missing(PROBLEMS, 2, []) for turn in turns]
     rows = [everything[index] | ({"error": "it broke"} if index in broken else {}) for index in done]
-    left = [turn for turns in missing(PROBLEMS, 2, rows) for turn in turns]
+    left = [turn for turns in list_missing(PROBLEMS, 2, rows) for turn in turns]
     assert left == [turn for index, turn in enumerate(everything) if index not in done - broken]
 
 
@@ -63,7 +76,7 @@ def test_of_rows_with_the_same_name_the_last_one_counts(tmp_path: Path) -> None:
 
 @given(times, st.floats(0.05, 20))
 def test_a_constant_factor_is_found_whatever_the_problems_take(before: list[float], factor: float) -> None:
-    found = part(paired(pairs(before, [factor * seconds for seconds in before])), "cpu_s")
+    found = part(pair_rows(pairs(before, [factor * seconds for seconds in before])), "cpu_s")
     exact = f"{factor:.3f}"
     assert found == (exact if len(before) < 6 else f"{exact} ({exact} to {exact})")
 
@@ -79,7 +92,7 @@ def test_the_interval_is_over_problems_and_rounds_are_no_further_evidence() -> N
 def test_rounds_of_a_problem_count_by_their_median() -> None:
     rows = [row(BEFORE, 0, 1.0, turn) for turn in range(3)]
     rows += [row(AFTER, 0, seconds, turn) for turn, seconds in enumerate((0.5, 0.4, 9.0))]
-    assert part(paired(rows), "cpu_s") == "0.500"
+    assert part(pair_rows(rows), "cpu_s") == "0.500"
 
 
 def test_the_first_geometric_plan_is_compared_with_the_verified_plan_of_the_commit() -> None:
@@ -101,9 +114,9 @@ def test_what_one_tree_did_not_solve_has_no_ratio() -> None:
 
 
 def test_problems_of_a_level_and_scenes_of_ones_own() -> None:
-    levels = chosen(Options("HEAD", Path("out"), levels=("easy", "hard"), problems="1:3"))
+    levels = choose_problems(Options("HEAD", Path("out"), levels=("easy", "hard"), problems="1:3"))
     assert [each["problem"] for each in levels] == ["easy-001", "easy-002", "hard-001", "hard-002"]
-    (own,) = chosen(Options("HEAD", Path("out"), scenes=(SCENES / "tower_2" / "05.yaml",)))
+    (own,) = choose_problems(Options("HEAD", Path("out"), scenes=(SCENES / "tower_2" / "05.yaml",)))
     assert (own["level"], own["problem"]) == ("tower_2", "05")
 
 

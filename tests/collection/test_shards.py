@@ -20,7 +20,7 @@ def test_blocks_are_joined_as_soon_as_all_of_their_scenes_are_over(tmp_path: Pat
     shards.join(scenes)
     assert names(tmp_path) == [f"000000-{BLOCK - 1:06d}.parquet"]
     assert names(tmp_path / "parts") == [f"{BLOCK:06d}.parquet"]
-    assert shards.done() == set(range(BLOCK + 1))
+    assert shards.list_done() == set(range(BLOCK + 1))
 
 
 def test_a_part_that_is_left_of_a_joined_block_goes(tmp_path: Path) -> None:
@@ -43,5 +43,5 @@ def test_ranges_that_overlap_share_their_scenes(tmp_path: Path) -> None:
     for scene in (4, 7):
         shards.add(scene, [])
     shards.join([4, 5, 6, 7])
-    assert shards.done() == {4, 5, 6, 7}
+    assert shards.list_done() == {4, 5, 6, 7}
     assert names(tmp_path) == ["000004-000007.parquet", "000005-000006.parquet"]

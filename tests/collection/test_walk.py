@@ -9,41 +9,41 @@ import pytest
 
 from ictamp_drake.collection.walk import Sources, WalkConfig, walk
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.learning.dataset import Row
+from ictamp_drake.learning.dataset import AttemptRow
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.world import World
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 
 SHORT = WalkConfig(states=5, draws=2)
 SCENE = 0
 
 
 @pytest.fixture(scope="module")
-def rows() -> list[Row]:
+def rows() -> list[AttemptRow]:
     return walk(SCENE, 0, SHORT)
 
 
-def timeless(row: Row) -> dict[str, object]:
+def timeless(row: AttemptRow) -> dict[str, object]:
     """A row without what differs from run to run."""
     return {name: str(value) for name, value in row.values().items() if not name.endswith("_ms")}
 
 
-def test_the_same_walk_gives_the_same_rows(rows: list[Row]) -> None:
+def test_the_same_walk_gives_the_same_rows(rows: list[AttemptRow]) -> None:
     assert [timeless(row) for row in walk(SCENE, 0, SHORT)] == [timeless(row) for row in rows]
 
 
-def test_every_round_has_its_draws_and_every_attempt_its_own_number(rows: list[Row]) -> None:
+def test_every_round_has_its_draws_and_every_attempt_its_own_number(rows: list[AttemptRow]) -> None:
     assert len(rows) == SHORT.states * SHORT.draws
     assert len({(row.state, row.draw) for row in rows}) == len(rows)
     assert len({row.state for row in rows}) > 1
 
 
-def test_every_action_was_applicable_and_labels_are_what_physics_says(rows: list[Row]) -> None:
+def test_every_action_was_applicable_and_labels_are_what_physics_says(rows: list[AttemptRow]) -> None:
     world = World(training_scene(SCENE))
-    abstraction, physics = Abstraction(world), PhysicsConfig().create(world)
+    abstraction, physics = SceneAbstraction(world), PhysicsConfig().create(world)
     boxes, supports = sorted(world.spec.boxes), sorted(world.spec.supports)
     for row in rows:
         state = abstraction(row.c)
@@ -54,13 +54,13 @@ def test_every_action_was_applicable_and_labels_are_what_physics_says(rows: list
             assert not row.attempt.succeeded
 
 
-def test_the_walk_goes_on_from_where_attempts_ended(rows: list[Row]) -> None:
+def test_the_walk_goes_on_from_where_attempts_ended(rows: list[AttemptRow]) -> None:
     ends = {row.attempt.successor for row in rows if row.attempt.succeeded}
     later = {row.c for row in rows if row.state > 0}
     assert later & ends
 
 
-def test_an_attempt_can_be_left_out(rows: list[Row]) -> None:
+def test_an_attempt_can_be_left_out(rows: list[AttemptRow]) -> None:
     begun: list[int] = []
     found = walk(SCENE, 0, SHORT, spared=[1], begin=begun.append)
     assert begun == [0, *range(2, SHORT.states * SHORT.draws)]
@@ -80,7 +80,7 @@ def test_one_source_alone_can_be_chosen() -> None:
 
 
 def test_trained_policies_are_compared_with_other_sources_attempt_by_attempt(tmp_path: Path) -> None:
-    folder = untrained(tmp_path)
+    folder = write_untrained(tmp_path)
     sources = Sources(1, 0, 0, policy=1, best=1, product=1, reference=1)
     config = replace(SHORT, states=2, draws=2, sources=sources, compare=True, checkpoints=folder, reference=folder)
     found = walk(3, 0, config)

@@ -25,7 +25,7 @@ CONFIGURATIONS = st.builds(
 )
 
 
-def copied(c: Configuration) -> Configuration:
+def copy_apart(c: Configuration) -> Configuration:
     """The same from arrays of its own, its poses in another order."""
     poses = {name: c.poses[name].copy() for name in reversed(list(c.poses))}
     state = None if c.x is None else c.x.copy()
@@ -38,7 +38,7 @@ def arrays_of(c: Configuration) -> list[FloatArray]:
 
 @given(CONFIGURATIONS)
 def test_equal_parts_make_equal_configurations(c: Configuration) -> None:
-    other = copied(c)
+    other = copy_apart(c)
     assert c == other
     assert hash(c) == hash(other)
     assert list(c.poses) == list(other.poses) == sorted(c.poses)

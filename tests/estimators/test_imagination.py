@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
-from ictamp_drake.estimators.imagination import Imagination, Rollouts, refined
+from ictamp_drake.estimators.imagination import Imagination, Rollouts, refine
 from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.models import DynamicsModel, SkillModel, load_dynamics, load_skill
 from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.world.world import World
-from tests.learning.synthetic import untrained
-from tests.world.scenes import far_boxes, holding, scene
+from tests.learning.synthetic import write_untrained
+from tests.world.scenes import far_boxes, hold_box, scene
 
 WORLD = World(scene(far_boxes()))
 OBSERVER = Observer(WORLD.spec)
@@ -20,7 +20,7 @@ Option = tuple[Configuration, Skeleton]
 
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, SkillModel], dict[str, DynamicsModel]]:
-    folder = untrained(tmp_path_factory.mktemp("checkpoints"))
+    folder = write_untrained(tmp_path_factory.mktemp("checkpoints"))
     return {each: load_skill(folder, each) for each in SKILLS}, {each: load_dynamics(folder, each) for each in SKILLS}
 
 
@@ -35,7 +35,7 @@ def option(c: Configuration, *actions: Action) -> Option:
 
 def options() -> list[Option]:
     """Plans of unequal lengths, that begin with either skill."""
-    c, held = WORLD.initial_configuration(), holding(WORLD, "red_box")
+    c, held = WORLD.initial_configuration(), hold_box(WORLD, "red_box")
     return [option(c, PICK, PLACE, PICK), option(held, PLACE), option(held, PLACE, PICK), option(c, PICK)]
 
 
@@ -54,8 +54,8 @@ def test_every_step_is_judged_where_the_one_before_left_its_box(
             for action, chosen in zip(plan.actions, k[number, rollout], strict=False):
                 seen, steps = OBSERVER.see(situations, OBSERVER.steps([action])), OBSERVER.steps([action])
                 expected *= skills[action.name].Q(seen, chosen[None, None])[0, 0]
-                moved = dynamics[action.name].moved(seen, chosen[None])
-                situations = situations.after(steps, chosen[None], moved)
+                moved = dynamics[action.name].predict(seen, chosen[None])
+                situations = situations.predict_after(steps, chosen[None], moved)
             np.testing.assert_allclose(product[number, rollout], expected, rtol=1e-4)
 
 
@@ -90,7 +90,7 @@ def test_refinement_keeps_the_best_and_gathers_around_them() -> None:
     k = rng.normal(size=(3, 400, 2, 4))
     wanted = np.array([0.5, -0.5, 0.2, 1.0])
     product = np.exp(-np.square(k - wanted).sum(axis=(2, 3)))
-    new = refined(Rollouts(k, product), rng)
+    new = refine(Rollouts(k, product), rng)
     assert new.shape == k.shape
     np.testing.assert_array_equal(new[:, 0], k[np.arange(3), product.argmax(axis=1)])
     assert np.exp(-np.square(new - wanted).sum(axis=(2, 3))).mean() > 2 * product.mean()
@@ -101,6 +101,6 @@ def test_yaws_on_both_sides_of_a_half_turn_are_neighbours() -> None:
     k = np.zeros((1, 64, 1, 4))
     k[..., 3] = np.pi - 0.1 * rng.random((1, 64, 1))
     k[:, ::2, :, 3] *= -1
-    yaw = refined(Rollouts(k, rng.random((1, 64))), rng)[..., 3]
+    yaw = refine(Rollouts(k, rng.random((1, 64))), rng)[..., 3]
     assert (np.abs(yaw) > np.pi - 0.4).all()
     assert (np.abs(yaw) <= np.pi).all()

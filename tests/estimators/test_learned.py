@@ -20,8 +20,8 @@ from ictamp_drake.learning.checkpoint import SKILLS
 from ictamp_drake.learning.models import load_dynamics, load_skill
 from ictamp_drake.observation.state_matrix import Observer
 from ictamp_drake.world.world import World
-from tests.learning.synthetic import untrained
-from tests.world.scenes import far_boxes, holding, scene
+from tests.learning.synthetic import write_untrained
+from tests.world.scenes import far_boxes, hold_box, scene
 
 Config = Callable[[Path], PScoreConfig | QValueConfig]
 CONFIGS: dict[str, Config] = {
@@ -40,7 +40,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return untrained(tmp_path_factory.mktemp("checkpoints"))
+    return write_untrained(tmp_path_factory.mktemp("checkpoints"))
 
 
 @pytest.fixture(params=list(CONFIGS))
@@ -60,7 +60,7 @@ def option(c: Configuration, *actions: Action) -> tuple[Configuration, Skeleton]
 
 
 def options(world: World) -> list[tuple[Configuration, Skeleton]]:
-    c, held = world.initial_configuration(), holding(world, "yellow_box")
+    c, held = world.initial_configuration(), hold_box(world, "yellow_box")
     picks = [option(c, Action("pick", (box, "table"))) for box in ("cyan_box", "red_box", "blue_box")]
     places = [option(held, Action("place", ("yellow_box", where))) for where in ("rack", "table", "cyan_box")]
     return [each for pair in zip(picks, places, strict=True) for each in pair]
@@ -105,7 +105,7 @@ def test_a_step_that_may_draw_more_k_is_likelier_to_succeed(world: World, checkp
 def test_P_comes_with_an_uncertainty(world: World, checkpoints: Path) -> None:
     estimator = PScoreConfig(checkpoints).create(world)
     assert isinstance(estimator, PScore)
-    P, std = estimator.beliefs(options(world))
+    P, std = estimator.estimate_with_spread(options(world))
     np.testing.assert_array_equal(P, estimator.estimate(options(world)))
     assert ((std > 0) & (std < 0.5)).all()
 
@@ -160,10 +160,10 @@ def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoint
     assert (values[-1] > values[0]).all()
 
 
-def test_optimised_parameters_are_those_of_the_greatest_product(world: World, checkpoints: Path) -> None:
+def test_optimized_parameters_are_those_of_the_greatest_product(world: World, checkpoints: Path) -> None:
     asked = [*plans(world, 0)[:2], *plans(world, 2)]  # of two lengths
     estimator = QValueConfig(checkpoints, 16, best=True, horizon="plan", refinements=2).create(world)
-    found = estimator.optimised(asked, generator(Stream.EVALUATION, world.spec.seed))
+    found = estimator.optimize(asked, generator(Stream.EVALUATION, world.spec.seed))
     assert [value for value, _ in found] == estimator.estimate(asked).tolist()
     skills, dynamics = ({each: load(checkpoints, each) for each in SKILLS} for load in (load_skill, load_dynamics))
     imagination = Imagination(Observer(world.spec), skills, dynamics)
@@ -174,7 +174,7 @@ def test_optimised_parameters_are_those_of_the_greatest_product(world: World, ch
 
 
 def test_the_plan_needs_dynamics_and_the_step_does_not(world: World, tmp_path: Path) -> None:
-    untrained(tmp_path)
+    write_untrained(tmp_path)
     for horizon in ("step", "plan"):
         QValueConfig(tmp_path, horizon=horizon).check()
     (tmp_path / "place_dynamics.safetensors").unlink()

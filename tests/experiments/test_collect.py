@@ -14,7 +14,7 @@ from rich.console import Console
 
 from ictamp_drake.collection.shards import Shards
 from ictamp_drake.experiments import collect as program
-from ictamp_drake.learning.dataset import fingerprint, opened
+from ictamp_drake.learning.dataset import fingerprint, open_table
 from ictamp_drake.runs.engine import EngineConfig
 from tests.runs.clusters import two_nodes
 from tests.runs.programs import command, environment, run
@@ -24,7 +24,7 @@ SHORT = ("--walk.states", "2", "--walk.draws", "2")
 
 def timeless(folder: Path) -> list[dict[str, Any]]:
     """All rows without what differs from run to run."""
-    rows = opened(folder).to_table().to_pylist()
+    rows = open_table(folder).to_table().to_pylist()
     return [{name: value for name, value in row.items() if not name.endswith("_ms")} for row in rows]
 
 
@@ -133,7 +133,7 @@ def test_an_attempt_in_which_the_process_dies_or_hangs_costs_only_itself(
     assert "scene 5 is walked through again without attempt 0" in printed
     assert "scene 6 is given up" in printed
     assert "4 of 4 scenes, 28 attempts" in printed
-    assert Shards(tmp_path).done() == {3, 4, 5, 6}
+    assert Shards(tmp_path).list_done() == {3, 4, 5, 6}
     assert not list((tmp_path / "parts").glob("*.attempt"))
 
 

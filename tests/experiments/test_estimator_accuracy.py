@@ -9,7 +9,7 @@ from ictamp_drake.experiments import estimator_accuracy as program
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.dataset import fingerprint
 from tests.learning.counted import folder_of, picks
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 from tests.runs.programs import run
 
 MIXED = ("--walk.sources.optimisation", "0.5", "--walk.sources.perturbed", "0.5", "--walk.sources.uniform", "0")
@@ -23,7 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("accuracy")
     made = run("experiments.collect", "--scenes", "100000:100002", "--out", "gt", *SHORT, *MIXED, folder=folder)
     assert made.returncode == 0, made.stderr
-    untrained(folder / "networks")
+    write_untrained(folder / "networks")
     return folder
 
 
@@ -97,7 +97,7 @@ def test_mistakes_are_answered_with_a_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], sentence: str
 ) -> None:
     few = folder_of(tmp_path / "few", picks(3, [True] * 3), picks(4, [True] * 3))
-    networks = untrained(tmp_path / "networks")
+    networks = write_untrained(tmp_path / "networks")
     given = [each.format(few=few) for each in arguments]
     assert program.main(["--checkpoints", str(networks), *RATES, "--out", str(tmp_path / "out"), *given]) == 2
     error = capsys.readouterr().err

@@ -28,7 +28,7 @@ def results(folder: Path) -> dict[str, Record]:
 
 
 @contextmanager
-def started(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
+def start_program(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
     """The program at work in folder/out, in a process group of its own."""
     process = subprocess.Popen(
         command("experiments.packing", "--out", "out", *arguments),
@@ -76,7 +76,7 @@ def is_alive(pid: int) -> bool:
 
 def test_kill_9_in_mid_run_loses_no_finished_problem(tmp_path: Path) -> None:
     options = ("--problems", "0:3", "--workers", "1", *SHORT)
-    with started(tmp_path, *options) as process:
+    with start_program(tmp_path, *options) as process:
         wait_until(lambda: results(tmp_path))
         crew = workers(process)
         process.kill()
@@ -102,7 +102,7 @@ def wait_for_second_problem(folder: Path) -> None:
 
 
 def test_ctrl_c_ends_the_run_cleanly_and_the_stopped_problem_is_tried_again(tmp_path: Path) -> None:
-    with started(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
+    with start_program(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
         wait_for_second_problem(tmp_path)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         output, errors = process.communicate(timeout=200)
@@ -124,7 +124,7 @@ def test_ctrl_c_ends_the_run_cleanly_and_the_stopped_problem_is_tried_again(tmp_
 
 
 def test_a_worker_that_dies_is_a_record_and_the_others_go_on(tmp_path: Path) -> None:
-    with started(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
+    with start_program(tmp_path, "--problems", "0:3", "--workers", "1", *LONG) as process:
         wait_for_second_problem(tmp_path)
         os.kill(workers(process)[0], signal.SIGKILL)
         output, errors = process.communicate(timeout=200)

@@ -44,9 +44,9 @@ def test_what_the_fingers_do_to_the_box_is_learned(trained: Path) -> None:
 
 def test_only_successes_are_learned_from_and_tested_with(trained: Path, data: Path) -> None:
     attempts = load_attempts(data, "pick")
-    wins = attempts.chosen(attempts.success)
+    wins = attempts.select(attempts.success)
     assert load(trained, "dynamics", "pick").metrics["count"] < len(wins) / 4
-    moved = load_dynamics(trained, "pick").moved(Observation(wins.matrix, wins.mask), wins.k.astype(np.float64))
+    moved = load_dynamics(trained, "pick").predict(Observation(wins.matrix, wins.mask), wins.k.astype(np.float64))
     assert np.linalg.norm((moved - wins.moved)[:, :3], axis=1).mean() < 0.002
 
 

@@ -95,14 +95,14 @@ def test_an_interrupted_program_keeps_the_best_and_goes_on_to_the_same_end(
     saved = 0
     original = train_skill.Course.fit.__globals__["Fit"]._save
 
-    def interrupted(fit: object) -> None:
+    def save_or_interrupt(fit: object) -> None:
         nonlocal saved
         original(fit)
         saved += 1
         if saved in (3, 50):  # in the midst of the critics, then of the policy
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("ictamp_drake.learning.training.Fit._save", interrupted)
+    monkeypatch.setattr("ictamp_drake.learning.training.Fit._save", save_or_interrupt)
     command = ["--data", str(data), "--out", str(tmp_path)]
     assert skill(*command) == 130
     assert f"the same command with --out {tmp_path} goes on" in capsys.readouterr().out

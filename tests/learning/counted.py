@@ -8,7 +8,7 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration
 from ictamp_drake.learning.cases import Case
-from ictamp_drake.learning.dataset import Row, scene_text, write
+from ictamp_drake.learning.dataset import AttemptRow, scene_text, write
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.world import World
 
@@ -20,7 +20,7 @@ def case(scene: int, outcomes: Sequence[bool], skill: str = "pick", state: int =
     return Case(scene, state, "", OPEN, Action(skill, ("box", "table")), np.array(outcomes, dtype=bool))
 
 
-def picks(number: int, outcomes: Sequence[bool], box: str | None = None, sampler: str = "policy") -> list[Row]:
+def picks(number: int, outcomes: Sequence[bool], box: str | None = None, sampler: str = "policy") -> list[AttemptRow]:
     """Picks of a box, the last on top by default, in a training scene as it is specified."""
     spec = training_scene(number)
     c = World(spec).initial_configuration()
@@ -28,10 +28,10 @@ def picks(number: int, outcomes: Sequence[bool], box: str | None = None, sampler
     action = Action("pick", (box or highest, "table"))
     failures = [None if success else Failure.NO_PATH for success in outcomes]
     attempts = [Attempt[Configuration](action, failure) for failure in failures]
-    return [Row(number, scene_text(spec), 0, draw, sampler, c, each) for draw, each in enumerate(attempts)]
+    return [AttemptRow(number, scene_text(spec), 0, draw, sampler, c, each) for draw, each in enumerate(attempts)]
 
 
-def folder_of(folder: Path, *rows: Sequence[Row]) -> Path:
+def folder_of(folder: Path, *rows: Sequence[AttemptRow]) -> Path:
     """A folder with the rows."""
     folder.mkdir(parents=True, exist_ok=True)
     write([row for part in rows for row in part], folder / "all.parquet")

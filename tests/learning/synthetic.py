@@ -11,7 +11,7 @@ from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import Checkpoint
 from ictamp_drake.learning.classifier import Classifier
-from ictamp_drake.learning.dataset import Row, scene_text, write
+from ictamp_drake.learning.dataset import AttemptRow, scene_text, write
 from ictamp_drake.learning.dynamics import Dynamics, nominal
 from ictamp_drake.learning.models import arrays_of
 from ictamp_drake.learning.networks import NetworkConfig
@@ -19,7 +19,7 @@ from ictamp_drake.learning.policies import PolicyNetworkConfig
 from ictamp_drake.observation.situations import LIFT
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observer
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.world.frames import upright
+from ictamp_drake.world.frames import upright_frame
 from tests.motions import stay
 
 MOTION = (stay(0.1),)
@@ -35,9 +35,9 @@ def succeeds(matrix: FloatArray, k: FloatArray) -> bool:
     return bool((abs(k[:2]) < 0.7 * half[:2]).all() and abs(y) < 0.3)
 
 
-def centred(c: Configuration, box: str, size: tuple[float, float, float], k: FloatArray) -> Configuration:
+def lift_centered(c: Configuration, box: str, size: tuple[float, float, float], k: FloatArray) -> Configuration:
     """c after the box was lifted, where the fingers, closing on it, took its middle along their direction to theirs."""
-    lying = upright(c.poses[box], size)
+    lying = upright_frame(c.poses[box], size)
     fingers = np.array([-np.sin(k[3]), np.cos(k[3]), 0.0])
     shift = lying.X_WU.rotation().matrix() @ (fingers * (fingers @ k[:3])) + [0.0, 0.0, LIFT]
     pose = c.poses[box] + np.concatenate([np.zeros(4), shift])
@@ -58,14 +58,14 @@ def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
             half = matrix[0, SCHEMA.group("box")] * 0.1 / 2
             k = np.append(rng.uniform(-half, half), rng.uniform(-np.pi, np.pi))
             failure = None if succeeds(matrix, k) else Failure.NOT_GRASPED
-            after = centred(c, action.args[0], spec.boxes[action.args[0]].size, k)
+            after = lift_centered(c, action.args[0], spec.boxes[action.args[0]].size, k)
             attempt = Attempt(action, failure, after, k, MOTION)
-            rows.append(Row(number, text, 0, draw, "uniform", c, attempt))
+            rows.append(AttemptRow(number, text, 0, draw, "uniform", c, attempt))
     folder.mkdir(parents=True, exist_ok=True)
     write(rows, folder / "all.parquet")
 
 
-def untrained(folder: Path) -> Path:
+def write_untrained(folder: Path) -> Path:
     """A folder with a policy, an estimator and dynamics of each skill that have their starting weights."""
     torch.manual_seed(0)
     for skill in ("pick", "place"):
@@ -91,7 +91,7 @@ def matrices(count: int = 6, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]
     return matrix * mask[..., None], mask
 
 
-def displaced(skill: str, count: int, seed: int) -> Batch:
+def displace(skill: str, count: int, seed: int) -> Batch:
     """Successes after which the box is off its nominal pose by 8 mm across k's yaw, and turned the wider it is."""
     matrix, mask = matrices(count, seed)
     k = torch.randn((count, 4), generator=torch.Generator().manual_seed(seed)) * torch.tensor([0.05, 0.05, 0.05, 2.0])

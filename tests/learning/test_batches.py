@@ -32,7 +32,7 @@ def test_no_scene_is_in_two_parts_and_none_is_lost(attempts: Attempts) -> None:
 
 
 def test_a_scene_stays_in_its_part_when_others_are_added(attempts: Attempts) -> None:
-    fewer = attempts.chosen(attempts.scene < 240)
+    fewer = attempts.select(attempts.scene < 240)
     for before, after in zip(split(fewer), split(attempts), strict=True):
         assert numbers(attempts, before.k) <= numbers(attempts, after.k)
 
@@ -48,8 +48,8 @@ def test_the_successes_of_each_part_can_be_had_alone(attempts: Attempts) -> None
 def test_a_policy_learns_from_all_successes_and_once_from_what_never_succeeded(attempts: Attempts) -> None:
     situations = np.unique(attempts.matrix, axis=0, return_inverse=True)[1]
     order = np.argsort(situations, kind="stable")
-    whole = batch(attempts.chosen(order))
-    telling = whole.telling()
+    whole = batch(attempts.select(order))
+    telling = whole.select_informative()
     assert telling.success.sum() == whole.success.sum()
     won = {row.numpy().tobytes() for row in whole.matrix[whole.success > 0]}
     lost = [row.numpy().tobytes() for row in telling.matrix[telling.success == 0]]
@@ -59,16 +59,16 @@ def test_a_policy_learns_from_all_successes_and_once_from_what_never_succeeded(a
 
 
 def test_too_few_attempts_are_refused(attempts: Attempts) -> None:
-    few = attempts.chosen(attempts.scene < 20)
+    few = attempts.select(attempts.scene < 20)
     with pytest.raises(IctampError, match=r"too few recorded attempts: of 0 in the validation scenes 0 succeeded"):
         split(few)
     with pytest.raises(IctampError, match=r"of \d+ in the training scenes 0 succeeded"):
-        split(attempts.chosen(~attempts.success))
+        split(attempts.select(~attempts.success))
 
 
 def test_members_of_an_ensemble_see_samples_of_their_own(attempts: Attempts) -> None:
     plain = batch(attempts)
-    drawn = plain.bootstrapped(3, np.random.default_rng(0))
+    drawn = plain.with_bootstrap_weights(3, np.random.default_rng(0))
     assert drawn.weight.shape == (len(attempts), 3)
     torch.testing.assert_close(drawn.weight.mean(dim=0), torch.ones(3), atol=0.2, rtol=0)
     assert (drawn.weight == drawn.weight.round()).all()

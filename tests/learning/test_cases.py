@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.learning.cases import counted, halves, read_cases
+from ictamp_drake.learning.cases import count_outcomes, halves, read_cases
 from ictamp_drake.learning.dataset import scene
 from ictamp_drake.scenes.training import training_scene
 from tests.learning.counted import case, folder_of, picks
@@ -33,7 +33,7 @@ def test_only_attempts_of_the_sampler_count(tmp_path: Path) -> None:
 
 def test_the_halves_are_all_executions_and_each_is_tested_on_the_other() -> None:
     cases = [case(0, [YES, NO, YES, NO, YES]), case(1, [NO, YES])]
-    whole, (known, tested) = counted(cases), halves(cases)
+    whole, (known, tested) = count_outcomes(cases), halves(cases)
     np.testing.assert_array_equal(whole.share, [0.6, 0.5])
     np.testing.assert_array_equal(known.attempts, [3, 1, 2, 1])
     np.testing.assert_array_equal(known.successes, [3, 0, 0, 1])

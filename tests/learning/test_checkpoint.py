@@ -10,7 +10,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.learning.checkpoint import Checkpoint, load, read, write
 from ictamp_drake.learning.models import load_dynamics, load_estimator, load_skill
 from ictamp_drake.observation.state_matrix import SCHEMA
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 
 ARRAYS = {"one": np.arange(6, dtype=np.float32).reshape(2, 3), "two": np.array([1.5], dtype=np.float32)}
 CHECKPOINT = Checkpoint("policy", "pick", ARRAYS, {"width": 3}, {"command": "python x"}, {"auc": 0.9})
@@ -33,31 +33,35 @@ def test_the_metadata_say_what_the_columns_mean(tmp_path: Path) -> None:
     assert [column["name"] for column in metadata["schema"]["columns"]] == [each.name for each in SCHEMA.columns]
 
 
-def refused(folder: Path, sentence: str, kind: str = "policy", skill: str = "pick") -> None:
+def assert_refused(folder: Path, sentence: str, kind: str = "policy", skill: str = "pick") -> None:
     with pytest.raises(IctampError, match=sentence) as caught:
         load(folder, kind, skill)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    refused(tmp_path, r"pick_policy.safetensors: there is no such checkpoint; train one with experiments.train_skill")
-    refused(tmp_path, r"place_estimator.safetensors: .*train_estimator", "estimator", "place")
-    refused(tmp_path, r"place_dynamics.safetensors: .*train_dynamics", "dynamics", "place")
+    assert_refused(
+        tmp_path, r"pick_policy.safetensors: there is no such checkpoint; train one with experiments.train_skill"
+    )
+    assert_refused(tmp_path, r"place_estimator.safetensors: .*train_estimator", "estimator", "place")
+    assert_refused(tmp_path, r"place_dynamics.safetensors: .*train_dynamics", "dynamics", "place")
 
 
 @pytest.mark.parametrize("left", [0, 5, 100, -4])
 def test_a_damaged_file_is_refused(tmp_path: Path, left: int) -> None:
     path = CHECKPOINT.save(tmp_path)
     path.write_bytes(path.read_bytes()[:left])
-    refused(tmp_path, r"pick_policy.safetensors: cannot be read as a safetensors file, it may be damaged")
+    assert_refused(tmp_path, r"pick_policy.safetensors: cannot be read as a safetensors file, it may be damaged")
 
 
 def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
     path = CHECKPOINT.save(tmp_path)
     path.rename(tmp_path / "pick_estimator.safetensors")
-    refused(tmp_path, r"holds the policy of pick, but must hold the estimator of pick", "estimator")
+    assert_refused(tmp_path, r"holds the policy of pick, but must hold the estimator of pick", "estimator")
     write(path, ARRAYS, {"kind": "policy"})
-    refused(tmp_path, r"is not a checkpoint of this package, since its metadata has no k, metrics, network, provenance")
+    assert_refused(
+        tmp_path, r"is not a checkpoint of this package, since its metadata has no k, metrics, network, provenance"
+    )
 
 
 @pytest.mark.parametrize("change", ["version", "columns"])
@@ -67,21 +71,21 @@ def test_another_state_matrix_is_refused(tmp_path: Path, change: str) -> None:
     schema = metadata["schema"]
     metadata["schema"] = {**schema, "version": 0} if change == "version" else {**schema, "columns": []}
     write(path, arrays, metadata)
-    refused(tmp_path, r"was trained on state matrices of version \d, but this package makes version 1")
+    assert_refused(tmp_path, r"was trained on state matrices of version \d, but this package makes version 1")
 
 
 def test_another_way_to_read_k_is_refused(tmp_path: Path) -> None:
     path = CHECKPOINT.save(tmp_path)
     arrays, metadata = read(path)
     write(path, arrays, {**metadata, "k": {"version": 0}})
-    refused(tmp_path, r"reads k in the way of version 0, but this package in that of 3; train it again")
+    assert_refused(tmp_path, r"reads k in the way of version 0, but this package in that of 3; train it again")
 
 
 @pytest.mark.parametrize(
     ("kind", "loader"), [("policy", load_skill), ("estimator", load_estimator), ("dynamics", load_dynamics)]
 )
 def test_numbers_that_do_not_fit_are_refused(tmp_path: Path, kind: str, loader) -> None:  # type: ignore[no-untyped-def]
-    untrained(tmp_path)
+    write_untrained(tmp_path)
     path = tmp_path / f"pick_{kind}.safetensors"
     arrays, metadata = read(path)
     loader(tmp_path, "pick")

@@ -67,11 +67,11 @@ def test_it_makes_no_difference_where_all_of_it_stands(other: Blocks, turn: floa
     box = block((0.02, 0.01), 0.3, (0.05, 0.04, 0.1))
     cos, sin = math.cos(turn), math.sin(turn)
 
-    def turned(one: Blocks) -> Blocks:
+    def turn_blocks(one: Blocks) -> Blocks:
         R = torch.tensor([[cos, -sin], [sin, cos]])
         return Blocks(torch.cat([R @ one.centre[:2], one.centre[2:]]), R @ one.heading, one.half)
 
-    assert of_box(turned(box), turned(other)) == pytest.approx(of_box(box, other), abs=1e-5)
+    assert of_box(turn_blocks(box), turn_blocks(other)) == pytest.approx(of_box(box, other), abs=1e-5)
 
 
 def test_what_is_below_is_apart_by_its_distance() -> None:

@@ -11,13 +11,13 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.learning.dataset import (
-    Row,
+    AttemptRow,
     action,
     configuration,
     fingerprint,
     load,
     merge,
-    opened,
+    open_table,
     scene,
     scene_text,
     write,
@@ -31,7 +31,7 @@ DATA = Path(__file__).parents[2] / "data"
 MOTION = (stay(0.1),)
 
 
-def row(number: int, state: int = 0, draw: int = 0, failure: Failure | None = None, k: bool = True) -> Row:
+def row(number: int, state: int = 0, draw: int = 0, failure: Failure | None = None, k: bool = True) -> AttemptRow:
     """An attempt in a training scene: a pick in even states, a placement in odd ones."""
     spec = training_scene(number)
     rng = np.random.default_rng([number, state])
@@ -48,7 +48,7 @@ def row(number: int, state: int = 0, draw: int = 0, failure: Failure | None = No
         motion=MOTION if executed else (),
         seconds={"sampling": 0.001, "motion": 0.0204, "physics": 0.25},
     )
-    return Row(number, scene_text(spec), state, draw, "uniform", c, attempt)
+    return AttemptRow(number, scene_text(spec), state, draw, "uniform", c, attempt)
 
 
 ROWS_OF_TWO_SCENES = [
@@ -67,7 +67,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_rows_come_back_as_they_were_written(folder: Path) -> None:
-    read = opened(folder).to_table().to_pylist()
+    read = open_table(folder).to_table().to_pylist()
     for written, found in zip(ROWS_OF_TWO_SCENES, read, strict=True):
         attempt, c = written.attempt, configuration(found)
         assert action(found) == attempt.action
@@ -120,7 +120,7 @@ def test_one_skill_can_be_chosen(folder: Path) -> None:
     attempts = load(folder, "place")
     assert set(attempts.action) == {"place"}
     assert len(attempts) == 2
-    assert len(attempts.chosen(attempts.success)) == 1
+    assert len(attempts.select(attempts.success)) == 1
 
 
 def test_joining_changes_no_rows(folder: Path, tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_joining_changes_no_rows(folder: Path, tmp_path: Path) -> None:
     write([], parts / "1.parquet")
     write(ROWS_OF_TWO_SCENES[:3][::-1], parts / "0.parquet")
     merge(sorted(parts.glob("*.parquet")), joined / "all.parquet")
-    assert opened(joined).to_table().to_pylist() == opened(folder).to_table().to_pylist()
+    assert open_table(joined).to_table().to_pylist() == open_table(folder).to_table().to_pylist()
     assert fingerprint(joined) == fingerprint(folder)
 
 
@@ -162,7 +162,7 @@ def test_unfinished_files_are_not_read(folder: Path) -> None:
 def test_what_earlier_versions_recorded_can_be_tried_again(folder: str, name: str) -> None:
     """Its c has no state of a simulator: everything is at rest, and the arm is commanded to be where it is."""
     succeeded = pads.field("failure").is_null() & (pads.field("action").cast(pa.string()) == name)
-    (recorded,) = opened(DATA / folder).head(1, filter=succeeded).to_pylist()
+    (recorded,) = open_table(DATA / folder).head(1, filter=succeeded).to_pylist()
     c, spec, tried = configuration(recorded), scene(recorded["spec"]), action(recorded)
     assert c.x is None
     assert c.commanded.tobytes() == c.q[:7].tobytes()

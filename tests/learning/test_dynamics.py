@@ -12,16 +12,16 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import Action
 from ictamp_drake.learning.dynamics import Dynamics, error, nominal
-from ictamp_drake.learning.evaluation import missed
+from ictamp_drake.learning.evaluation import evaluate_dynamics
 from ictamp_drake.learning.models import load_dynamics
-from ictamp_drake.learning.objectives import Prediction
+from ictamp_drake.learning.objectives import PoseRegression
 from ictamp_drake.observation.state_matrix import Observation, Observer
-from ictamp_drake.skills.geometry import held_bottom, placement_pose, raised
+from ictamp_drake.skills.geometry import held_bottom, placement_pose, raise_pose
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
-from tests.learning.synthetic import ONE, displaced, matrices, untrained
-from tests.world.scenes import far_boxes, holding, scene
+from tests.learning.synthetic import ONE, displace, matrices, write_untrained
+from tests.world.scenes import far_boxes, hold_box, scene
 
 WORLD = World(scene(far_boxes()))
 OBSERVER = Observer(WORLD.spec)
@@ -29,21 +29,21 @@ OBSERVER = Observer(WORLD.spec)
 
 def test_a_picked_box_rises_with_the_hand() -> None:
     c, action = WORLD.initial_configuration(), Action("pick", ("red_box", "table"))
-    risen = to_pose(raised(to_transform(c.poses["red_box"]), PickConfig().lift))
+    risen = to_pose(raise_pose(to_transform(c.poses["red_box"]), PickConfig().lift))
     matrix = torch.from_numpy(OBSERVER.observe_all([(c, action)]).matrix)
     found = nominal("pick", matrix, torch.tensor([[0.01, 0.02, 0.01, 0.4]]))
-    np.testing.assert_allclose(found, OBSERVER.moved([(c, action)], risen[None]), atol=1e-6)
+    np.testing.assert_allclose(found, OBSERVER.measure_moved_box([(c, action)], risen[None]), atol=1e-6)
 
 
 @given(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2), st.floats(-3.1, 3.1), st.sampled_from(["rack", "cyan_box"]))
 def test_a_placed_box_stands_where_the_skill_takes_it(x: float, y: float, yaw: float, place: str) -> None:
-    c, action = holding(WORLD, "red_box"), Action("place", ("red_box", place))
+    c, action = hold_box(WORLD, "red_box"), Action("place", ("red_box", place))
     X_WG0 = RigidTransform(RotationMatrix.MakeXRotation(np.pi), to_transform(c.poses["red_box"]).translation())
     X_WG = placement_pose(WORLD, c, place, held_bottom(WORLD, c, "red_box", X_WG0), np.array([x, y, 0.0, yaw]))
     X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses["red_box"])
     matrix = torch.from_numpy(OBSERVER.observe_all([(c, action)]).matrix)
     found = nominal("place", matrix, torch.tensor([[x, y, 0.01, yaw]]))  # from whatever height it is let go
-    np.testing.assert_allclose(found, OBSERVER.moved([(c, action)], to_pose(X_WO)[None]), atol=1e-5)
+    np.testing.assert_allclose(found, OBSERVER.measure_moved_box([(c, action)], to_pose(X_WO)[None]), atol=1e-5)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-9.0, 9.0))
@@ -74,25 +74,25 @@ def test_the_network_shifts_the_box_in_the_frame_of_k(skill: str) -> None:
 def test_a_known_residual_is_recovered(skill: str) -> None:
     """Learned in some situations, found in others."""
     torch.manual_seed(0)
-    dynamics, training = Dynamics(skill, ONE), displaced(skill, 2000, seed=0)
-    objective, optimiser = Prediction(dynamics), torch.optim.Adam(dynamics.parameters(), 1e-2)
+    dynamics, training = Dynamics(skill, ONE), displace(skill, 2000, seed=0)
+    objective, optimizer = PoseRegression(dynamics), torch.optim.Adam(dynamics.parameters(), 1e-2)
     noise = torch.Generator().manual_seed(0)
     for rate in np.linspace(1e-2, 1e-4, 300):
-        optimiser.param_groups[0]["lr"] = rate
-        optimiser.zero_grad()
+        optimizer.param_groups[0]["lr"] = rate
+        optimizer.zero_grad()
         objective.loss(training.rows(torch.randint(2000, (256,), generator=noise)), noise).backward()
-        optimiser.step()
-    figures = missed(dynamics, displaced(skill, 500, seed=1))
+        optimizer.step()
+    figures = evaluate_dynamics(dynamics, displace(skill, 500, seed=1))
     assert figures["count"] == 500
     assert figures["position_mean"] < figures["nominal_position_mean"] / 4
     assert figures["yaw_mean"] < figures["nominal_yaw_mean"] / 4
 
 
 def test_a_model_from_its_checkpoint_says_the_same(tmp_path: Path) -> None:
-    model = load_dynamics(untrained(tmp_path), "place")
+    model = load_dynamics(write_untrained(tmp_path), "place")
     matrix, mask = matrices(5)
     k = torch.randn((5, 4), generator=torch.Generator().manual_seed(1))
-    found = model.moved(Observation(matrix.numpy(), mask.numpy()), k.numpy().astype(np.float64))
+    found = model.predict(Observation(matrix.numpy(), mask.numpy()), k.numpy().astype(np.float64))
     assert found.dtype == np.float64
     with torch.inference_mode():
         np.testing.assert_array_equal(found, model.dynamics(matrix, mask, k))

@@ -11,8 +11,8 @@ from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dynamics import Dynamics
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining, Prediction
-from ictamp_drake.learning.parameters import normalised, parameter
+from ictamp_drake.learning.objectives import Classification, Improvement, PolicyTraining, PoseRegression
+from ictamp_drake.learning.parameters import normalize_parameter, parameter
 from ictamp_drake.learning.policies import PolicyNetworkConfig
 from tests.learning.synthetic import ONE, SIZE, matrices
 
@@ -26,7 +26,7 @@ class Ridges(Classifier):
     """A critic that likes grasps across the box's faces near its middle: four ways, a quarter turn apart."""
 
     def probabilities(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:  # noqa: ARG002
-        u = normalised("pick", matrix, k)
+        u = normalize_parameter("pick", matrix, k)
         mean = torch.exp(-(u[:, :3] ** 2).sum(dim=-1)) * (0.5 + 0.5 * torch.cos(4 * k[:, 3]))
         return mean[None]
 
@@ -45,15 +45,15 @@ def successes() -> Batch:
     return Batch(matrix, mask, parameter("pick", matrix, u), torch.ones(64), torch.zeros(64, 4), torch.ones(64, 1))
 
 
-def trained(config: PolicyTraining, steps: int) -> Improvement:
+def train_policy(config: PolicyTraining, steps: int) -> Improvement:
     improvement = Improvement(config, critic())
-    optimiser = torch.optim.Adam(improvement.module.parameters(), 3e-3)
+    optimizer = torch.optim.Adam(improvement.module.parameters(), 3e-3)
     noise = torch.Generator().manual_seed(0)
     for _ in range(steps):
         loss = improvement.loss(successes(), noise)
-        optimiser.zero_grad()
+        optimizer.zero_grad()
         loss.backward()
-        optimiser.step()
+        optimizer.step()
     return improvement
 
 
@@ -67,7 +67,7 @@ def draws(improvement: Improvement) -> tuple[Tensor, Tensor]:
 
 
 def test_a_mixture_finds_all_ways_to_succeed() -> None:
-    u, Q = draws(trained(MIXTURE, 250))
+    u, Q = draws(train_policy(MIXTURE, 250))
     assert Q.mean() > 0.8
     quarters = torch.round(u[..., 3] / (math.pi / 2)).long() % 4
     shares = torch.bincount(quarters.flatten(), minlength=4) / quarters.numel()
@@ -75,14 +75,14 @@ def test_a_mixture_finds_all_ways_to_succeed() -> None:
 
 
 def test_imitation_alone_draws_what_was_shown() -> None:
-    improvement = trained(replace(MIXTURE, imitation=1e3), 250)
+    improvement = train_policy(replace(MIXTURE, imitation=1e3), 250)
     u, _ = draws(improvement)
     assert u[..., :3].std() == pytest.approx(0.2, abs=0.1)
     assert torch.cos(4 * u[..., 3]).mean() > 0.8
 
 
 def test_the_actor_of_stap_finds_one_way() -> None:
-    u, Q = draws(trained(STAP, 400))
+    u, Q = draws(train_policy(STAP, 400))
     assert Q.mean() > 0.6
     assert torch.cos(u[..., 3] - u[:, :1, 3]).mean() > 0.5
 
@@ -137,7 +137,7 @@ def test_dynamics_are_wrong_by_what_they_miss() -> None:
 
     def loss(*missed: float) -> float:
         moved = dynamics(batch.matrix, batch.mask, batch.k).detach() + torch.tensor(missed)
-        return Prediction(dynamics).validate(replace(batch, moved=moved), torch.Generator())["loss"]
+        return PoseRegression(dynamics).validate(replace(batch, moved=moved), torch.Generator())["loss"]
 
     assert loss(0.0, 0.0, 0.0, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
     assert loss(0.01, 0.0, 0.0, 0.0) == pytest.approx(loss(0.0, 0.0, 0.0, 0.1), rel=1e-3)

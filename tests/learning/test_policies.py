@@ -16,14 +16,14 @@ CONFIGS = {
 }
 
 
-def created(name: str, **changes: object) -> Policy:
+def create_policy(name: str, **changes: object) -> Policy:
     torch.manual_seed(0)
     return replace(CONFIGS[name], **changes).create("pick").eval()  # type: ignore[arg-type]
 
 
 @pytest.fixture(params=list(CONFIGS))
 def policy(request: pytest.FixtureRequest) -> Policy:
-    return created(request.param)
+    return create_policy(request.param)
 
 
 def noise(seed: int = 0) -> torch.Generator:
@@ -44,7 +44,7 @@ def test_draws_come_in_batches_and_from_the_generator_alone(policy: Policy) -> N
 @pytest.mark.parametrize("name", CONFIGS)
 def test_the_density_is_that_of_the_draws(name: str) -> None:
     """The mean of 1 / density over the draws that fall into a region is the region's volume."""
-    policy = created(name, components=1)
+    policy = create_policy(name, components=1)
     matrix, mask = matrices(1)
     with torch.inference_mode():
         u = policy.draw(matrix, mask, 40_000, noise())
@@ -79,7 +79,7 @@ def test_what_is_spread_stands_for_the_draws(policy: Policy) -> None:
 
 
 def test_yaw_goes_round_in_a_mixture() -> None:
-    policy = created("mixture")
+    policy = create_policy("mixture")
     matrix, mask = matrices()
     u = policy.draw(matrix, mask, 3, noise())
     turned = u + torch.tensor([0.0, 0.0, 0.0, 2 * math.pi])
@@ -88,7 +88,7 @@ def test_yaw_goes_round_in_a_mixture() -> None:
 
 
 def test_a_squashed_policy_keeps_within_its_range() -> None:
-    policy = created("squashed")
+    policy = create_policy("squashed")
     matrix, mask = matrices()
     u = policy.draw(30 * matrix, mask, 100, noise())
     assert (u.abs() <= torch.tensor([1.0, 1.0, 1.0, math.pi]) + 1e-6).all()

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.batches import Batch
-from ictamp_drake.learning.symmetry import mirrored, turned, varied
+from ictamp_drake.learning.symmetry import mirror, turn_frames, vary_description
 from ictamp_drake.observation.state_matrix import ROWS, Observer
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, Vector
 from ictamp_drake.scenes.training import training_scene
@@ -28,7 +28,7 @@ def action(spec: SceneSpec, skill: str) -> Action:
     return Action(skill, (boxes[0], "table" if skill == "pick" else boxes[1]))
 
 
-def observed(spec: SceneSpec, skill: str, q: FloatArray = Q) -> torch.Tensor:
+def observe(spec: SceneSpec, skill: str, q: FloatArray = Q) -> torch.Tensor:
     held = None if skill == "pick" else min(spec.boxes)
     c = Configuration(np.append(q, [0.03, 0.03]), {name: box.X_WO for name, box in spec.boxes.items()}, held)
     return torch.from_numpy(Observer(spec).observe(c, action(spec, skill)).matrix)[None]
@@ -40,30 +40,30 @@ def batch_of(matrix: torch.Tensor, k: torch.Tensor | None = None) -> Batch:
     return Batch(matrix, matrix.abs().sum(-1) > 0, k, torch.ones(len(k)), k, torch.ones(len(k), 1))
 
 
-def swapped(size: tuple[float, ...]) -> Vector:
+def swap_sides(size: tuple[float, ...]) -> Vector:
     return size[1], size[0], size[2]
 
 
-def box_turned(box: BoxSpec) -> BoxSpec:
+def turn_box(box: BoxSpec) -> BoxSpec:
     """The same box, but for the names of its x and y axes; only for one that stands upright."""
     roll, pitch, yaw = box.rotation
-    return replace(box, size=swapped(box.size), rotation=(roll, pitch, yaw + 90.0))
+    return replace(box, size=swap_sides(box.size), rotation=(roll, pitch, yaw + 90.0))
 
 
-def support_turned(support: SupportSpec) -> SupportSpec:
-    return replace(support, size=swapped(support.size), yaw=support.yaw - 270.0)
+def turn_support(support: SupportSpec) -> SupportSpec:
+    return replace(support, size=swap_sides(support.size), yaw=support.yaw - 270.0)
 
 
 @given(specs, skills)
 def test_the_frames_of_all_objects_may_be_turned(spec: SceneSpec, skill: str) -> None:
-    boxes = {name: box_turned(box) if box.rotation[:2] == (0, 0) else box for name, box in spec.boxes.items()}
-    supports = {name: support_turned(support) for name, support in spec.supports.items()}
+    boxes = {name: turn_box(box) if box.rotation[:2] == (0, 0) else box for name, box in spec.boxes.items()}
+    supports = {name: turn_support(support) for name, support in spec.supports.items()}
     tipped = [name for name, box in boxes.items() if box is spec.boxes[name]]
     if tipped:  # which row is whose is the observer's affair
         return
-    batch = batch_of(observed(spec, skill))
-    other = turned(skill, batch, torch.ones(1, ROWS, dtype=torch.long)).matrix
-    expected = observed(replace(spec, boxes=boxes, supports=supports), skill)
+    batch = batch_of(observe(spec, skill))
+    other = turn_frames(skill, batch, torch.ones(1, ROWS, dtype=torch.long)).matrix
+    expected = observe(replace(spec, boxes=boxes, supports=supports), skill)
     torch.testing.assert_close(other * batch.mask[..., None], expected, rtol=1e-4, atol=1e-4)
 
 
@@ -78,7 +78,7 @@ def test_k_stays_where_it_was_in_the_world(skill: str, of_moved: int, of_target:
     turns = torch.zeros(1, ROWS, dtype=torch.long)
     turns[0, 1], turns[0, 0 if skill == "pick" else 2] = of_moved, of_target
     k = torch.randn((1, 4), generator=torch.Generator().manual_seed(seed))
-    batch = turned(skill, batch_of(matrix, k), turns)
+    batch = turn_frames(skill, batch_of(matrix, k), turns)
     other, moved = batch.k, batch.moved
     R_KK, R_UU = yaw(of_target * np.pi / 2), yaw(0.0 if skill == "pick" else of_moved * np.pi / 2)
     np.testing.assert_allclose(R_KK @ other[0, :3].numpy(), k[0, :3], atol=1e-5)
@@ -90,22 +90,22 @@ def test_k_stays_where_it_was_in_the_world(skill: str, of_moved: int, of_target:
 
 @given(specs, skills)
 def test_the_mirror_image_is_what_a_mirrored_scene_shows(spec: SceneSpec, skill: str) -> None:
-    def reflected(position: Vector) -> Vector:
+    def reflect(position: Vector) -> Vector:
         return position[0], -position[1], position[2]
 
     boxes = {
         name: replace(
-            box, position=reflected(box.position), rotation=(-box.rotation[0], box.rotation[1], -box.rotation[2])
+            box, position=reflect(box.position), rotation=(-box.rotation[0], box.rotation[1], -box.rotation[2])
         )
         for name, box in spec.boxes.items()
     }
     supports = {
-        name: replace(support, position=reflected(support.position), yaw=-support.yaw)
+        name: replace(support, position=reflect(support.position), yaw=-support.yaw)
         for name, support in spec.supports.items()
     }
     q = Q * [-1, 1, -1, 1, -1, 1, -1] + [0, 0, 0, 0, 0, 0, np.pi / 2]
-    image = mirrored(batch_of(observed(spec, skill))).matrix
-    expected = observed(replace(spec, boxes=boxes, supports=supports), skill, q)
+    image = mirror(batch_of(observe(spec, skill))).matrix
+    expected = observe(replace(spec, boxes=boxes, supports=supports), skill, q)
     tipped = any(box.rotation[:2] != (0, 0) for box in spec.boxes.values())
     if not tipped:  # the axis that points up is another one then
         torch.testing.assert_close(image, expected, rtol=1e-4, atol=1e-4)
@@ -117,11 +117,11 @@ def test_four_turns_and_two_reflections_change_nothing(seed: int) -> None:
     k = torch.randn((3, 4), generator=torch.Generator().manual_seed(seed))
     turns = torch.randint(4, (3, ROWS), generator=torch.Generator().manual_seed(seed))
     for skill in ("pick", "place"):
-        back = turned(skill, turned(skill, batch_of(matrix, k), turns), (4 - turns) % 4)
+        back = turn_frames(skill, turn_frames(skill, batch_of(matrix, k), turns), (4 - turns) % 4)
         torch.testing.assert_close(back.matrix, matrix, rtol=1e-4, atol=1e-5)
         torch.testing.assert_close(back.k, k, rtol=1e-4, atol=1e-5)
         torch.testing.assert_close(back.moved, k, rtol=1e-4, atol=1e-5)
-    image = mirrored(mirrored(batch_of(matrix, k)))
+    image = mirror(mirror(batch_of(matrix, k)))
     for found, original in (image.matrix, matrix), (image.k, k), (image.moved, k):
         torch.testing.assert_close(found, original)
 
@@ -131,7 +131,7 @@ def test_variety_comes_from_the_generator_alone(skill: str) -> None:
     matrix, _ = matrices(200)
     k = torch.rand(200, 4)
     batch = batch_of(matrix, k)
-    first, again, other = (varied(skill, batch, torch.Generator().manual_seed(seed)) for seed in (1, 1, 2))
+    first, again, other = (vary_description(skill, batch, torch.Generator().manual_seed(seed)) for seed in (1, 1, 2))
     assert torch.equal(first.matrix, again.matrix)
     assert torch.equal(first.k, again.k)
     assert not torch.equal(first.matrix, other.matrix)

@@ -11,7 +11,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.learning.batches import split
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dataset import load
-from ictamp_drake.learning.evaluation import calibrate, judged
+from ictamp_drake.learning.evaluation import calibrate, evaluate_classifier
 from ictamp_drake.learning.models import arrays_of
 from ictamp_drake.learning.objectives import Classification
 from ictamp_drake.learning.training import LOG, STATE, Data, Figures, Fit, FitConfig, start
@@ -25,7 +25,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Data:
     folder = tmp_path_factory.mktemp("attempts")
     write_attempts(folder)
     parts = split(load(folder, "pick"))
-    return Data(parts.training.bootstrapped(SIZE.members, np.random.default_rng(0)), parts.validation)
+    return Data(parts.training.with_bootstrap_weights(SIZE.members, np.random.default_rng(0)), parts.validation)
 
 
 def new(data: Data, folder: Path, config: FitConfig = CONFIG, **purpose: object) -> tuple[Fit, Classifier]:
@@ -118,8 +118,8 @@ def test_a_run_with_other_options_or_attempts_is_refused(data: Data, tmp_path: P
 def test_calibration_lowers_the_loss_it_is_made_by(data: Data, tmp_path: Path) -> None:
     fit, critic = new(data, tmp_path)
     fit.run()
-    before = judged(critic, data.validation)
+    before = evaluate_classifier(critic, data.validation)
     calibrate(critic, data.validation)
-    after = judged(critic, data.validation)
+    after = evaluate_classifier(critic, data.validation)
     assert after["log_loss"] < before["log_loss"]
     assert after["auc"] == pytest.approx(before["auc"], abs=0.02)

@@ -6,8 +6,8 @@ from ictamp_drake.core.types import Configuration
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
-from ictamp_drake.motion.optimization import TrajectoryOptimizer
 from ictamp_drake.motion.trajectory import sample
+from ictamp_drake.motion.trajectory_optimization import TrajectoryOptimizer
 from ictamp_drake.world.world import World
 
 ARM = ArmKinematics(RigidTransform())

@@ -12,7 +12,7 @@ ARM = ArmKinematics(RigidTransform())
 TOWER_TOP, RACK_TOP = 0.254, 0.16
 
 
-def at(*xyz: float) -> np.ndarray:
+def position(*xyz: float) -> np.ndarray:
     return np.array(xyz)
 
 
@@ -28,13 +28,13 @@ def at(*xyz: float) -> np.ndarray:
 )
 def test_height_is_that_of_the_tallest_thing_on_the_way(world: World, p0, p1, height: float) -> None:
     c = world.initial_configuration()
-    assert obstacle_height(world, c, at(*p0), at(*p1), 0.05) == pytest.approx(height)
+    assert obstacle_height(world, c, position(*p0), position(*p1), 0.05) == pytest.approx(height)
 
 
 def test_held_box_is_no_obstacle_but_hangs_down(world: World, holding) -> None:
     X_WG = ARM.forward(HOME)
     c = holding(HOME, "red_box", X_WG @ RigidTransform(RotationMatrix.MakeXRotation(np.pi), [0.0, 0.0, 0.03]))
-    height = obstacle_height(world, c, at(0.5, 0.0, 0.1), at(0.5, 0.2, 0.1), 0.05)
+    height = obstacle_height(world, c, position(0.5, 0.0, 0.1), position(0.5, 0.2, 0.1), 0.05)
     assert height == pytest.approx(TOWER_TOP - 0.118)
     assert reach_below_grasp(world, c, X_WG) == pytest.approx(0.03 + 0.059)
     assert reach_below_grasp(world, world.initial_configuration(), X_WG) == PAD_HALF_HEIGHT

@@ -73,11 +73,11 @@ def test_ends_outside_the_limits_are_kept() -> None:
 
 
 def test_interrupt_passes_through_the_library() -> None:
-    def interrupted(_: FloatArray) -> bool:
+    def interrupt(_: FloatArray) -> bool:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        find_path(START, END, interrupted, limits=LIMITS, rng=np.random.default_rng(0), config=PathConfig())
+        find_path(START, END, interrupt, limits=LIMITS, rng=np.random.default_rng(0), config=PathConfig())
 
 
 def test_library_leaves_nothing_behind() -> None:

@@ -7,10 +7,10 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.config import MotionConfig
-from ictamp_drake.motion.optimization import TrajectoryConfig
 from ictamp_drake.motion.paths import PathConfig
-from ictamp_drake.motion.planner import MotionPlanner, Planned, Refusal
+from ictamp_drake.motion.planner import MotionPlanner, PlannedMotion, Refusal
 from ictamp_drake.motion.trajectory import sample
+from ictamp_drake.motion.trajectory_optimization import TrajectoryConfig
 from ictamp_drake.world.world import World
 
 UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
@@ -26,9 +26,11 @@ def posture(planner: MotionPlanner, X_WG: RigidTransform) -> FloatArray:
     return q
 
 
-def check_free(world: World, planner: MotionPlanner, c: Configuration, planned: Planned | Refusal, overlaps) -> Planned:
+def check_free(
+    world: World, planner: MotionPlanner, c: Configuration, planned: PlannedMotion | Refusal, overlaps
+) -> PlannedMotion:
     """From rest to rest, and free of collisions at 5 mm and 0.01 rad, twice as fine as promised, to plain queries."""
-    assert isinstance(planned, Planned), planned
+    assert isinstance(planned, PlannedMotion), planned
     for q in sample(planned.trajectory, planner.kinematics.forward_all, 0.005, 0.01):
         assert max(overlaps(world, c, q).values(), default=0.0) < 1.5e-3  # the held box counts as 1 mm smaller
     ends = np.array([0.0, planned.trajectory.duration])
@@ -77,9 +79,9 @@ def test_straight_stays_straight(world: World, down, overlaps, ends, config: Tra
     planner = MotionPlanner(world, MotionConfig(trajectory=config))
     X_WG0, X_WG1 = (down(*end) for end in ends)
     q0 = posture(planner, X_WG0)
-    planned = planner.straight(q0, X_WG1)
+    planned = planner.plan_straight(q0, X_WG1)
     check_free(world, planner, world.initial_configuration(), planned, overlaps)
-    assert isinstance(planned, Planned)
+    assert isinstance(planned, PlannedMotion)
     np.testing.assert_array_equal(planned.trajectory.control_points[:3], [q0, q0, q0])
     np.testing.assert_array_equal(planned.trajectory.reversed().control_points[-3:], [q0, q0, q0])
     p0, p1 = X_WG0.translation(), X_WG1.translation()
@@ -101,7 +103,7 @@ def test_straight_stays_straight(world: World, down, overlaps, ends, config: Tra
     ],
 )
 def test_straight_says_why_there_is_none(planner: MotionPlanner, down, ends, failure, detail: str) -> None:
-    refusal = planner.straight(posture(planner, down(*ends[0])), down(*ends[1]))
+    refusal = planner.plan_straight(posture(planner, down(*ends[0])), down(*ends[1]))
     assert isinstance(refusal, Refusal)
     assert refusal.failure is failure
     assert detail in refusal.detail
@@ -127,7 +129,7 @@ def test_transfer_finds_a_way_by_sampling(world: World, down, overlaps, rounds: 
     planner = MotionPlanner(world, MotionConfig(rise=3.0, corridors=corridors, push_rounds=rounds))
     q0, q1 = posture(planner, down(0.5, -0.1, 0.08)), posture(planner, down(0.5, 0.3, 0.09))
     found = [planner.transfer(q0, q1, np.random.default_rng(seed)) for seed in range(4 if rounds == 0 else 1)]
-    ways = [planned for planned in found if isinstance(planned, Planned)]
+    ways = [planned for planned in found if isinstance(planned, PlannedMotion)]
     assert ways  # without pushes, about two sampled paths of three have a corridor
     for planned in ways:
         assert check_free(world, planner, world.initial_configuration(), planned, overlaps).stage in {
@@ -151,7 +153,7 @@ def test_impossible_corridors_are_refused(corridor: tuple[float, int], sentence:
 def test_held_box_makes_the_transfer_rise(world: World, planner: MotionPlanner, down, holding, overlaps) -> None:
     q0, q1 = posture(planner, down(0.5, -0.1, 0.33)), posture(planner, down(0.5, 0.3, 0.33))
     empty = planner.transfer(q0, q1, rng())
-    assert isinstance(empty, Planned)
+    assert isinstance(empty, PlannedMotion)
     X_WO = planner.kinematics.forward(q0) @ RigidTransform(UPSIDE_DOWN, [0.0, 0.0, 0.09])
     c = holding(q0, "blue_box", X_WO)
     planner.set_configuration(c)
@@ -192,7 +194,7 @@ def test_same_request_gives_the_same_motion_whatever_came_before(world: World, d
         for seed in range(detours):
             planner.transfer(q1, q0, np.random.default_rng(seed + 5))
         planned = planner.transfer(q0, q1, rng())
-        assert isinstance(planned, Planned)
+        assert isinstance(planned, PlannedMotion)
         results.append(planned.trajectory)
     np.testing.assert_array_equal(results[0].control_points, results[1].control_points)
     np.testing.assert_array_equal(results[0].knots, results[1].knots)

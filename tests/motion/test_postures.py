@@ -17,7 +17,7 @@ def apart(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.abs(np.remainder(one - other + np.pi, 2 * np.pi) - np.pi).max(axis=-1)
 
 
-def existing(X_BG: FloatArray, last: FloatArray) -> FloatArray:
+def existing_postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
     """Those of the postures that there are, shape (m, 7)."""
     found = postures(X_BG, last)
     assert found.shape == (8, len(last), 7)
@@ -30,7 +30,7 @@ def existing(X_BG: FloatArray, last: FloatArray) -> FloatArray:
 @example(np.zeros(7), np.zeros(1))
 def test_all_hold_the_hand_where_it_shall_be(q: FloatArray, last: FloatArray) -> None:
     (X_BG,) = forward(q[None])
-    found = existing(X_BG, last)
+    found = existing_postures(X_BG, last)
     assert np.isin(found[:, 6], last).all()
     np.testing.assert_allclose(forward(found), np.broadcast_to(X_BG, (len(found), 4, 4)), atol=1e-6)
 
@@ -40,17 +40,17 @@ def test_every_posture_is_among_those_of_its_hand(q: FloatArray) -> None:
     """But for those in which a turn of one joint can be undone by another: then there are more than can be listed."""
     (X_BG,) = forward(q[None])
     if min(abs(np.sin(q[1])), abs(np.cos(q[4]))) > 1e-3:
-        assert apart(existing(X_BG, q[6:]), q).min() < 1e-4
+        assert apart(existing_postures(X_BG, q[6:]), q).min() < 1e-4
 
 
 def test_a_posture_has_up_to_eight_twins() -> None:
-    found = existing(forward(HOME[None])[0], HOME[6:])
+    found = existing_postures(forward(HOME[None])[0], HOME[6:])
     assert 4 <= len(found) <= 8
     assert all(apart(found[:number], one).min() > 1e-3 for number, one in enumerate(found) if number)
 
 
 def test_what_is_out_of_reach_has_none(down) -> None:
-    assert not len(existing(down(1.2, 0.0, 0.1).GetAsMatrix4(), np.linspace(-2, 2, 9)))
+    assert not len(existing_postures(down(1.2, 0.0, 0.1).GetAsMatrix4(), np.linspace(-2, 2, 9)))
 
 
 def test_each_angle_can_have_a_pose_of_its_own() -> None:

@@ -12,7 +12,7 @@ orders = st.integers(4, 7)
 
 
 @given(points, orders)
-def test_knots_are_those_of_trajectory_optimisation(count: int, order: int) -> None:
+def test_knots_are_those_of_trajectory_optimization(count: int, order: int) -> None:
     basis = KinematicTrajectoryOptimization(7, count, order).basis()
     np.testing.assert_array_equal(knots(count, order), basis.knots())
 

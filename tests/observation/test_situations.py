@@ -10,11 +10,11 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.situations import ABSENT, LIFT, Situations
 from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.skills.geometry import grasp_parameter, grasp_pose, raised
+from ictamp_drake.skills.geometry import grasp_parameter, grasp_pose, raise_pose
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
-from tests.world.scenes import far_boxes, holding, scene
+from tests.world.scenes import far_boxes, hold_box, scene
 
 WORLD = World(scene(far_boxes()))
 OBSERVER = Observer(WORLD.spec)
@@ -26,10 +26,10 @@ angles = st.floats(-np.pi, np.pi)
 shifts = st.floats(-0.2, 0.2)
 
 
-def imagined(c: Configuration, action: Action, k: FloatArray, after: Configuration) -> Situations:
+def imagine(c: Configuration, action: Action, k: FloatArray, after: Configuration) -> Situations:
     """c after the action, when its box goes where it is in another configuration."""
-    moved = OBSERVER.moved([(c, action)], after.poses[action.args[0]][None])
-    return OBSERVER.situations([c]).after(OBSERVER.steps([action]), k[None], moved)
+    moved = OBSERVER.measure_moved_box([(c, action)], after.poses[action.args[0]][None])
+    return OBSERVER.situations([c]).predict_after(OBSERVER.steps([action]), k[None], moved)
 
 
 def assert_seen_alike(situations: Situations, c: Configuration) -> None:
@@ -40,7 +40,7 @@ def assert_seen_alike(situations: Situations, c: Configuration) -> None:
         np.testing.assert_allclose(foretold.matrix, seen.matrix, atol=2e-5)
 
 
-def turned(c: Configuration, box: str, p_W: FloatArray, yaw: float, held: str | None) -> Configuration:
+def turn_box(c: Configuration, box: str, p_W: FloatArray, yaw: float, held: str | None) -> Configuration:
     """c with a box shifted and turned about the vertical through its centre."""
     X_WO = to_transform(c.poses[box])
     rotation = RotationMatrix.MakeZRotation(yaw) @ X_WO.rotation()
@@ -49,32 +49,32 @@ def turned(c: Configuration, box: str, p_W: FloatArray, yaw: float, held: str | 
 
 
 def test_a_picked_box_is_held_as_the_grasp_says() -> None:
-    held = holding(WORLD, "red_box", drop=0.01)
+    held = hold_box(WORLD, "red_box", drop=0.01)
     X_WG = ArmKinematics(to_transform(WORLD.spec.arm.X_WB)).forward(held.q[:7])
-    before = turned(held, "red_box", np.array([0.002, 0.001, -LIFT]), 0.1, None)
-    k = grasp_parameter(WORLD, before, "red_box", raised(X_WG, -LIFT))
-    assert_seen_alike(imagined(before, PICK, k, held), held)
+    before = turn_box(held, "red_box", np.array([0.002, 0.001, -LIFT]), 0.1, None)
+    k = grasp_parameter(WORLD, before, "red_box", raise_pose(X_WG, -LIFT))
+    assert_seen_alike(imagine(before, PICK, k, held), held)
 
 
 def test_the_hand_rises_with_the_box_from_the_grasp() -> None:
     c = WORLD.initial_configuration()
-    situations = imagined(c, PICK, K, c)
+    situations = imagine(c, PICK, K, c)
     X_WB = to_transform(WORLD.spec.arm.X_WB)
-    expected = raised(grasp_pose(WORLD, c, "red_box", K), PickConfig().lift)
+    expected = raise_pose(grasp_pose(WORLD, c, "red_box", K), PickConfig().lift)
     np.testing.assert_allclose(X_WB.GetAsMatrix4() @ situations.X_BG[0], expected.GetAsMatrix4(), atol=1e-9)
 
 
 @given(shifts, shifts, angles)
 def test_a_placed_box_is_seen_where_it_went(x: float, y: float, yaw: float) -> None:
-    held = holding(WORLD, "red_box", drop=0.01)
-    put = turned(held, "red_box", np.array([x, y, -0.2]), yaw, None)
-    assert_seen_alike(imagined(held, PLACE, K, put), put)
+    held = hold_box(WORLD, "red_box", drop=0.01)
+    put = turn_box(held, "red_box", np.array([x, y, -0.2]), yaw, None)
+    assert_seen_alike(imagine(held, PLACE, K, put), put)
 
 
 def test_the_hand_lets_go_where_it_holds_the_box() -> None:
-    held = holding(WORLD, "red_box", drop=0.01)
-    put = turned(held, "red_box", np.array([0.1, 0.05, -0.2]), 0.7, None)
-    before, after = OBSERVER.situations([held]), imagined(held, PLACE, K, put)
+    held = hold_box(WORLD, "red_box", drop=0.01)
+    put = turn_box(held, "red_box", np.array([0.1, 0.05, -0.2]), 0.7, None)
+    before, after = OBSERVER.situations([held]), imagine(held, PLACE, K, put)
     box = OBSERVER.steps([PLACE]).box[0]
     assert after.held[0] == ABSENT
     np.testing.assert_allclose(
@@ -91,7 +91,7 @@ def test_nothing_else_moves(number: int, yaw: float, x: float) -> None:
     c = Configuration(np.zeros(9), {name: each.X_WO for name, each in spec.boxes.items()})
     steps = observer.steps([Action("pick", (box, "table")), Action("place", (box, "table"))])
     before = observer.situations([c, c])
-    after = before.after(steps, np.tile(K, (2, 1)), np.array([[x, 0.0, 0.1, yaw]] * 2))
+    after = before.predict_after(steps, np.tile(K, (2, 1)), np.array([[x, 0.0, 0.1, yaw]] * 2))
     others = np.delete(np.arange(before.X_BU.shape[1]), steps.box[0])
     np.testing.assert_array_equal(after.X_BU[:, others], before.X_BU[:, others])
     assert (after.X_BU[:, steps.box[0]] != before.X_BU[:, steps.box[0]]).any()
@@ -99,8 +99,8 @@ def test_nothing_else_moves(number: int, yaw: float, x: float) -> None:
 
 
 def test_situations_can_be_repeated() -> None:
-    c, held = WORLD.initial_configuration(), holding(WORLD, "red_box")
-    situations = OBSERVER.situations([c, held]).at(np.array([1, 0, 1]))
+    c, held = WORLD.initial_configuration(), hold_box(WORLD, "red_box")
+    situations = OBSERVER.situations([c, held]).select(np.array([1, 0, 1]))
     seen = OBSERVER.see(situations, OBSERVER.steps([PLACE, PICK, PLACE]))
     for number, option in enumerate([(held, PLACE), (c, PICK), (held, PLACE)]):
         expected = OBSERVER.observe(*option)

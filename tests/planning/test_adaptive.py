@@ -18,7 +18,7 @@ from ictamp_drake.planning.result import PlanningResult
 from ictamp_drake.planning.tree import Opening
 from ictamp_drake.symbolic.atoms import ON
 from ictamp_drake.symbolic.skeletons import BreadthFirst
-from tests.runs.programs import printed
+from tests.runs.programs import run_code
 from tests.symbolic.towers import Problem, state
 from tests.toy_world import ADAPTIVE, RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
 
@@ -167,7 +167,7 @@ TINY = ParkingLot(
 )
 
 
-def parked(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) -> PlanningResult[Parked]:
+def search_parking_lot(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) -> PlanningResult[Parked]:
     """A search in the parking lot."""
     config = PlannerConfig(
         Budget(60.0, 200), rule=replace(ADAPTIVE, beliefs=replace(ADAPTIVE.beliefs, patience=patience))
@@ -187,7 +187,7 @@ def parked(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) ->
 @pytest.mark.parametrize(("patience", "solved"), [(BeliefsConfig().patience, True), (math.inf, False)])
 def test_boxes_of_which_the_goal_does_not_speak_are_moved_out_of_the_way(patience: float, solved: bool) -> None:
     """Each was moved on the table, which changes no state, so no plan does so unless it is asked to."""
-    result = parked(patience)
+    result = search_parking_lot(patience)
     assert result.solved is solved
     if result.plan is not None:
         assert [a.action.args for a in result.plan if a.action.name == "pick"] == [
@@ -199,19 +199,19 @@ def test_boxes_of_which_the_goal_does_not_speak_are_moved_out_of_the_way(patienc
 
 
 def test_boxes_are_moved_out_of_the_way_when_no_plain_plan_is_left() -> None:
-    result = parked(patience=20.0, lot=TINY)
+    result = search_parking_lot(patience=20.0, lot=TINY)
     assert result.tree.exhausted
     assert result.solved
 
 
 def test_where_a_box_cannot_be_moved_out_of_the_way_no_more_plans_are_asked_for() -> None:
     """Each is in the way of the other, so no plan moves both first."""
-    result = parked(lot=replace(TINY, in_the_way={"low": "tall", "tall": "low"}))
+    result = search_parking_lot(lot=replace(TINY, in_the_way={"low": "tall", "tall": "low"}))
     assert not result.solved
     assert len(result.tree.openings) <= 6
 
 
 @pytest.mark.parametrize("hash_seed", [1, 2])
 def test_the_search_does_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
-    code = "from tests.planning.test_adaptive import parked; print(parked().tree.to_dict())"
-    assert printed(code, hash_seed) == f"{parked().tree.to_dict()}\n"
+    code = "from tests.planning.test_adaptive import search_parking_lot; print(search_parking_lot().tree.to_dict())"
+    assert run_code(code, hash_seed) == f"{search_parking_lot().tree.to_dict()}\n"

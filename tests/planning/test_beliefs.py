@@ -39,36 +39,36 @@ class Search:
         attempt = Attempt(action, failure, successor, motion=(stay(duration),), **more)
         self.beliefs.learn(self.tree, self.tree.record_step(node, plan, attempt))
 
-    def remaining(self, node: int, plan: int) -> float:
-        return self.beliefs.remaining(self.tree, [RunStep(node, plan)])[0]
+    def estimate_effort(self, node: int, plan: int) -> float:
+        return self.beliefs.estimate_effort(self.tree, [RunStep(node, plan)])[0]
 
 
 def test_before_any_attempt_P_says_how_often_each_action_must_be_repeated() -> None:
     search = Search()
-    together = search.beliefs.remaining(search.tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    together = search.beliefs.estimate_effort(search.tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
     assert together == pytest.approx([1 / 0.5 + 1 / 0.8, 1 / 0.8 + 1 / 0.5])
     assert len(search.estimator.asked) == 1
 
 
 def test_an_action_of_a_name_that_was_never_estimated_is_hoped_for() -> None:
     search = Search()
-    assert search.remaining(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
 
 
 def test_attempts_from_the_same_node_count_in_full() -> None:
     search = Search()
     search.attempt(ROOT, 0, success=False)
-    assert search.remaining(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 1)) + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 1)) + 1 / CONFIG.hope)
     search.attempt(ROOT, 0, success=True)
-    assert search.remaining(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 2)) + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 2)) + 1 / CONFIG.hope)
 
 
 def test_a_failure_counts_as_often_as_it_tried_and_a_success_once() -> None:
     search = Search()
     search.attempt(ROOT, 0, success=False, rejections=(Failure.NO_PATH,) * 7)
-    assert search.remaining(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 8)) + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(1 / (2 * 0.5 / (2 + 8)) + 1 / CONFIG.hope)
     search.attempt(ROOT, 0, success=True, rejections=(Failure.NO_PATH,) * 3)
-    assert search.remaining(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 9)) + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(1 / ((2 * 0.5 + 1) / (2 + 9)) + 1 / CONFIG.hope)
 
 
 def test_attempts_on_the_same_edge_from_elsewhere_count_a_part() -> None:
@@ -79,17 +79,17 @@ def test_attempts_on_the_same_edge_from_elsewhere_count_a_part() -> None:
     search.attempt(ROOT, 0, success=True)
     node = len(search.tree.nodes) - 1
     elsewhere = (2 * 0.8 / (2 + 1) + 2 * 0.8 / (2 + 2 / 3)) / 2
-    assert search.remaining(node, 2) == pytest.approx(1 / elsewhere)
-    assert search.remaining(1, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 1)))
+    assert search.estimate_effort(node, 2) == pytest.approx(1 / elsewhere)
+    assert search.estimate_effort(1, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 1)))
     from_root = 1 / ((2 * 0.5 + 2) / (2 + 2))
-    assert search.remaining(ROOT, 0) == pytest.approx(from_root + 1 / elsewhere)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(from_root + 1 / elsewhere)
 
 
 def test_the_same_action_on_another_edge_is_no_evidence() -> None:
     search = Search()
     search.attempt(ROOT, 1, success=True)
     search.attempt(1, 2, success=False)  # right, from the upper cell
-    assert search.remaining(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(1 / 0.5 + 1 / CONFIG.hope)
 
 
 def test_what_was_estimated_of_an_action_elsewhere_is_expected_of_it_and_not_of_others_of_its_name() -> None:
@@ -99,11 +99,11 @@ def test_what_was_estimated_of_an_action_elsewhere_is_expected_of_it_and_not_of_
     for action, after in ((low, there), (high, there), (go, far)):
         tree.record_opening(Skeleton((here, after), (action,)), 1)
     beliefs: Beliefs[ToyConfiguration] = Beliefs(CONFIG, TableEstimator({low: 0.2, high: 0.8, go: 1.0}))
-    beliefs.remaining(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    beliefs.estimate_effort(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
     for action, expected in ((low, 0.2), (high, 0.8), (Action("pick", ("other",)), 0.5)):
         opening = tree.record_opening(Skeleton((here, far, there), (go, action)), 1)
         assert opening.plan is not None
-        (time,) = beliefs.remaining(tree, [RunStep(ROOT, opening.plan)])
+        (time,) = beliefs.estimate_effort(tree, [RunStep(ROOT, opening.plan)])
         assert time == pytest.approx(1 + 1 / expected)
 
 
@@ -114,7 +114,7 @@ def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> Non
     tree.record_opening(Skeleton((start, start), (low,)), 1)
     tree.record_opening(Skeleton((start, start, start), (aside, low)), 1)
     beliefs: Beliefs[ToyConfiguration] = Beliefs(CONFIG, TableEstimator({low: 0.5, aside: 1.0}))
-    fresh = beliefs.remaining(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    fresh = beliefs.estimate_effort(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
     assert beliefs.obstructions([aside, low]) == frozenset()
     for _ in range(2):
         failure = Attempt[ToyConfiguration](
@@ -122,7 +122,7 @@ def test_an_edge_is_another_one_when_what_was_in_its_way_has_been_moved() -> Non
         )
         beliefs.learn(tree, tree.record_step(ROOT, 0, failure))
     assert beliefs.obstructions([aside, low]) == {Obstruction(low, "tall")}
-    without, around = beliefs.remaining(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
+    without, around = beliefs.estimate_effort(tree, [RunStep(ROOT, 0), RunStep(ROOT, 1)])
     assert without > fresh[0]
     assert around == pytest.approx(fresh[1])
 
@@ -132,7 +132,7 @@ def test_failures_and_successes_take_their_own_effort() -> None:
     search.attempt(ROOT, 0, success=True, duration=3.0)
     search.attempt(ROOT, 0, success=False, duration=0.1)
     right = 3.0 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
-    assert search.remaining(ROOT, 0) == pytest.approx(right + 1 / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(right + 1 / CONFIG.hope)
 
 
 def test_each_k_is_an_effort_besides_the_motion() -> None:
@@ -140,7 +140,7 @@ def test_each_k_is_an_effort_besides_the_motion() -> None:
     search.attempt(ROOT, 0, success=True, duration=3.0, rejections=(Failure.NO_PATH,) * 3)
     search.attempt(ROOT, 0, success=False, duration=0.0)
     right = 3.4 + (1 / ((2 * 0.5 + 1) / (2 + 2)) - 1) * 0.1
-    assert search.remaining(ROOT, 0) == pytest.approx(right + CONFIG.effort / CONFIG.hope)
+    assert search.estimate_effort(ROOT, 0) == pytest.approx(right + CONFIG.effort / CONFIG.hope)
 
 
 def test_a_plan_that_was_refused_as_a_whole_counts_as_a_failure_of_its_last_action() -> None:
@@ -149,16 +149,16 @@ def test_a_plan_that_was_refused_as_a_whole_counts_as_a_failure_of_its_last_acti
     search.tree.candidates[2] = False
     search.attempt(1, 2, success=True)
     assert search.tree.nodes[-1].index == 2
-    assert search.remaining(1, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 1)))
+    assert search.estimate_effort(1, 2) == pytest.approx(1 / (2 * 0.8 / (2 + 1)))
 
 
 def test_what_is_hoped_of_a_plan_knows_no_failures() -> None:
     search = Search()
-    before = search.remaining(ROOT, 0), search.remaining(ROOT, 1)
+    before = search.estimate_effort(ROOT, 0), search.estimate_effort(ROOT, 1)
     for _ in range(5):
         search.attempt(ROOT, 0, success=False)
-    assert search.beliefs.hoped(RIGHT_UP) == pytest.approx(1 / 0.5 + 1 / 0.8)
-    assert search.remaining(ROOT, 0) > before[0]
+    assert search.beliefs.estimate_prior_effort(RIGHT_UP) == pytest.approx(1 / 0.5 + 1 / 0.8)
+    assert search.estimate_effort(ROOT, 0) > before[0]
 
 
 def test_a_failure_at_an_obstacle_is_blamed_on_the_steps_that_put_things_there() -> None:
@@ -168,8 +168,8 @@ def test_a_failure_at_an_obstacle_is_blamed_on_the_steps_that_put_things_there()
         search.attempt(ROOT, 0, success=True)
         for _ in range(9):
             search.attempt(1, 2, success=False, obstacles=obstacles)
-    assert known.remaining(1, 2) == pytest.approx(unknown.remaining(1, 2))
-    assert known.remaining(ROOT, 0) > 1.5 * unknown.remaining(ROOT, 0)
+    assert known.estimate_effort(1, 2) == pytest.approx(unknown.estimate_effort(1, 2))
+    assert known.estimate_effort(ROOT, 0) > 1.5 * unknown.estimate_effort(ROOT, 0)
 
 
 @given(outcomes=st.lists(st.booleans(), max_size=8), right=st.floats(0, 1), strength=st.floats(0.1, 10))
@@ -178,9 +178,13 @@ def test_a_failure_makes_a_plan_look_further_away_and_a_success_nearer(
 ) -> None:
     search = Search(replace(CONFIG, strength=strength), right=right)
     for success in outcomes:
-        before = search.remaining(ROOT, 0)
+        before = search.estimate_effort(ROOT, 0)
         search.attempt(ROOT, 0, success)
-        assert search.remaining(ROOT, 0) <= before + 1e-9 if success else search.remaining(ROOT, 0) >= before - 1e-9
+        assert (
+            search.estimate_effort(ROOT, 0) <= before + 1e-9
+            if success
+            else search.estimate_effort(ROOT, 0) >= before - 1e-9
+        )
 
 
 @pytest.mark.parametrize("name", ["strength", "floor", "hope", "effort", "trying", "simulating", "patience"])

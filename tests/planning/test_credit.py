@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
 from ictamp_drake.planning.credit import EdgeBelief, Lineage
-from tests.runs.programs import printed
+from tests.runs.programs import run_code
 
 STRENGTH = 2.0
 LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
@@ -22,7 +22,7 @@ attempts = st.lists(st.tuples(st.integers(0, len(LINEAGES) - 1), st.booleans()),
 a_lineage = st.sampled_from(LINEAGES)
 
 
-def after(history: Attempts) -> EdgeBelief:
+def learn_attempts(history: Attempts) -> EdgeBelief:
     """The belief when these attempts came in their order."""
     belief = EdgeBelief(STRENGTH)
     for lineage, success in history:
@@ -30,42 +30,44 @@ def after(history: Attempts) -> EdgeBelief:
     return belief
 
 
-def at(belief: EdgeBelief, lineage: Lineage, P: float) -> float:
-    return belief.at(lineage, WAY[: len(lineage) - 1], P)
+def success_at(belief: EdgeBelief, lineage: Lineage, P: float) -> float:
+    return belief.success_at(lineage, WAY[: len(lineage) - 1], P)
 
 
-def ahead(belief: EdgeBelief, lineage: Lineage, depth: int, usual: float) -> float:
-    return belief.ahead(lineage, WAY[:depth], usual)
+def success_ahead(belief: EdgeBelief, lineage: Lineage, depth: int, usual: float) -> float:
+    return belief.success_ahead(lineage, WAY[:depth], usual)
 
 
 def everywhere(belief: EdgeBelief) -> list[float]:
     """Success from each node and from one below each."""
-    return [value for way in LINEAGES for value in (at(belief, way, 0.6), ahead(belief, way, len(way), 0.6))]
+    return [
+        value for way in LINEAGES for value in (success_at(belief, way, 0.6), success_ahead(belief, way, len(way), 0.6))
+    ]
 
 
 def test_before_any_attempt_P_is_believed() -> None:
     belief = EdgeBelief(STRENGTH)
-    assert at(belief, (0, 1), 0.3) == pytest.approx(0.3)
-    assert ahead(belief, (0, 1), depth=2, usual=0.8) == pytest.approx(0.8)
+    assert success_at(belief, (0, 1), 0.3) == pytest.approx(0.3)
+    assert success_ahead(belief, (0, 1), depth=2, usual=0.8) == pytest.approx(0.8)
 
 
 def test_attempts_from_one_node_update_its_beta_distribution() -> None:
-    belief = after([(0, False), (0, False), (0, True)])
-    assert at(belief, LINEAGES[0], 0.6) == pytest.approx((STRENGTH * 0.6 + 1) / (STRENGTH + 3))
+    belief = learn_attempts([(0, False), (0, False), (0, True)])
+    assert success_at(belief, LINEAGES[0], 0.6) == pytest.approx((STRENGTH * 0.6 + 1) / (STRENGTH + 3))
 
 
 def test_a_sibling_shares_the_group_until_the_last_step_decides() -> None:
     """Of three hypotheses two put siblings into one group; under the third the failure only lowers the common mean."""
-    belief = after([(0, False)])
+    belief = learn_attempts([(0, False)])
     shared = STRENGTH * 0.6 / (STRENGTH + 1)
     alone = STRENGTH * 0.6 / (STRENGTH + STRENGTH / (STRENGTH + 1))
-    assert at(belief, LINEAGES[1], 0.6) == pytest.approx((2 * shared + alone) / 3)
+    assert success_at(belief, LINEAGES[1], 0.6) == pytest.approx((2 * shared + alone) / 3)
 
 
 def test_the_earlier_a_step_is_repeated_the_more_hope() -> None:
-    belief = after([(0, False)] * 20)
-    hopes = [ahead(belief, LINEAGES[0][: kept + 1], depth=2, usual=0.6) for kept in range(2)]
-    assert hopes[0] > 1.5 * hopes[1] > 3 * at(belief, LINEAGES[0], 0.6)
+    belief = learn_attempts([(0, False)] * 20)
+    hopes = [success_ahead(belief, LINEAGES[0][: kept + 1], depth=2, usual=0.6) for kept in range(2)]
+    assert hopes[0] > 1.5 * hopes[1] > 3 * success_at(belief, LINEAGES[0], 0.6)
 
 
 def test_repeating_a_step_gives_less_hope_each_time_it_did_not_help() -> None:
@@ -73,7 +75,7 @@ def test_repeating_a_step_gives_less_hope_each_time_it_did_not_help() -> None:
     for node in range(2, 8):
         for _ in range(5):
             belief.learn((0, 1, node), success=False)
-        hopes.append(ahead(belief, (0, 1), depth=2, usual=0.6))
+        hopes.append(success_ahead(belief, (0, 1), depth=2, usual=0.6))
     assert hopes == sorted(hopes, reverse=True)
     assert hopes[-1] < 0.4 * hopes[0]
 
@@ -84,8 +86,8 @@ def test_P_of_a_node_to_come_is_like_that_of_nodes_nearby() -> None:
         belief.see((0, 1, node), 0.1)
     anywhere = (0.9 + 3 * 0.1) / 4
     below_1 = (anywhere + 3 * 0.1) / 4
-    assert ahead(belief, (0, 1), depth=2, usual=0.9) == pytest.approx(below_1)
-    assert ahead(belief, (0,), depth=2, usual=0.9) == pytest.approx(anywhere)
+    assert success_ahead(belief, (0, 1), depth=2, usual=0.9) == pytest.approx(below_1)
+    assert success_ahead(belief, (0,), depth=2, usual=0.9) == pytest.approx(anywhere)
 
 
 def test_a_failure_between_objects_is_blamed_on_the_steps_that_put_them_there() -> None:
@@ -94,7 +96,7 @@ def test_a_failure_between_objects_is_blamed_on_the_steps_that_put_them_there() 
     for _ in range(500):
         belief.learn((0, 1, 2, 3), success=False)
         belief.blame({"cup", "saucer"})
-    hopes = [ahead(belief, (0, 1, 2, 3)[: kept + 1], depth=3, usual=0.6) for kept in range(4)]
+    hopes = [success_ahead(belief, (0, 1, 2, 3)[: kept + 1], depth=3, usual=0.6) for kept in range(4)]
     assert hopes[0] == pytest.approx(hopes[1], rel=0.01)
     assert hopes[1] > 1.5 * hopes[2] > 10 * hopes[3]
 
@@ -104,7 +106,7 @@ def test_between_objects_that_nothing_moved_there_is_no_hope_in_repeating_steps(
     for _ in range(500):
         belief.learn((0, 1, 2, 3), success=False)
         belief.blame({"shelf"})
-    assert ahead(belief, (0,), depth=3, usual=0.6) < 0.01
+    assert success_ahead(belief, (0,), depth=3, usual=0.6) < 0.01
 
 
 @given(blamed=st.lists(st.sets(st.sampled_from(["cup", "saucer", "table", "shelf"])), max_size=5))
@@ -117,12 +119,14 @@ def test_blame_alone_changes_nothing(blamed: list[set[str]]) -> None:
 
 @given(history=attempts)
 def test_beliefs_are_probabilities(history: Attempts) -> None:
-    assert all(0 < value < 1 for value in everywhere(after(history)))
+    assert all(0 < value < 1 for value in everywhere(learn_attempts(history)))
 
 
 @given(history=attempts, where=st.integers(0, len(LINEAGES) - 1))
 def test_no_failure_raises_and_no_success_lowers_any_belief(history: Attempts, where: int) -> None:
-    now, failed, succeeded = (everywhere(after([*history, *more])) for more in ([], [(where, False)], [(where, True)]))
+    now, failed, succeeded = (
+        everywhere(learn_attempts([*history, *more])) for more in ([], [(where, False)], [(where, True)])
+    )
     for before, worse, better in zip(now, failed, succeeded, strict=True):
         assert worse <= before + 1e-9
         assert better >= before - 1e-9
@@ -134,17 +138,17 @@ def test_the_order_of_attempts_from_nodes_none_of_which_is_below_another_does_no
 ) -> None:
     """Those from below a node count as its own where r is more than its depth, but only if they came before its own."""
     shuffled = data.draw(st.permutations(history))
-    assert everywhere(after(shuffled)) == pytest.approx(everywhere(after(history)))
+    assert everywhere(learn_attempts(shuffled)) == pytest.approx(everywhere(learn_attempts(history)))
 
 
 @given(history=attempts, way=a_lineage)
 def test_to_ask_changes_nothing(history: Attempts, way: tuple[int, ...]) -> None:
     asked = EdgeBelief(STRENGTH)
     for lineage, success in history:
-        ahead(asked, way, depth=3, usual=0.6)
+        success_ahead(asked, way, depth=3, usual=0.6)
         asked.learn(LINEAGES[lineage], success)
-    plain = after(history)
-    ahead(plain, way, depth=3, usual=0.6)
+    plain = learn_attempts(history)
+    success_ahead(plain, way, depth=3, usual=0.6)
     assert everywhere(asked) == pytest.approx(everywhere(plain))
 
 
@@ -154,21 +158,21 @@ def test_to_ask_changes_nothing(history: Attempts, way: tuple[int, ...]) -> None
         lambda belief: belief.see((0, 1, 2), 0.1),
         lambda belief: belief.learn((0, 1, 2), success=True),
         lambda belief: belief.blame({"cup"}),
-        lambda belief: belief.ahead((0,), 2 * WAY, 0.6),
+        lambda belief: belief.success_ahead((0,), 2 * WAY, 0.6),
     ],
     ids=["P", "attempt", "blame", "longer way"],
 )
 def test_news_count_where_it_was_asked_before(learn: Callable[[EdgeBelief], object]) -> None:
-    asked, fresh = (after([(3, False)] * 3) for _ in range(2))
+    asked, fresh = (learn_attempts([(3, False)] * 3) for _ in range(2))
     before = everywhere(asked)
     learn(asked)
     learn(fresh)
     assert before != everywhere(asked) == everywhere(fresh)
 
 
-def blamed() -> EdgeBelief:
+def belief_with_blame() -> EdgeBelief:
     """The belief when failures came about between other objects each time."""
-    belief = after([(0, False)] * 6)
+    belief = learn_attempts([(0, False)] * 6)
     for objects in (("cup",), ("saucer", "shelf"), ("cup", "saucer"), ("shelf",), ("table", "cup"), ()):
         belief.blame(objects)
     return belief
@@ -177,5 +181,7 @@ def blamed() -> EdgeBelief:
 @pytest.mark.parametrize("hash_seed", [1, 2])
 def test_beliefs_do_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
     """To the last bit, which decides among equals."""
-    code = "from tests.planning.test_credit import blamed, everywhere; print(everywhere(blamed()))"
-    assert printed(code, hash_seed) == f"{everywhere(blamed())}\n"
+    code = (
+        "from tests.planning.test_credit import belief_with_blame, everywhere; print(everywhere(belief_with_blame()))"
+    )
+    assert run_code(code, hash_seed) == f"{everywhere(belief_with_blame())}\n"

@@ -10,7 +10,7 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Skeleton
 from ictamp_drake.planning.els import ElsConfig
-from ictamp_drake.planning.estimates import estimated
+from ictamp_drake.planning.estimates import ask_estimator
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.rule import RuleConfig
 from tests.toy_world import RIGHT, UP, ToyConfiguration, ToyWorld, toy_planner
@@ -30,7 +30,7 @@ class Saying:
 
 @pytest.mark.parametrize("values", [[0, 0.5, 1], (0.0, 0.5, 1.0), np.array([0.0, 0.5, 1.0], dtype=np.float32)])
 def test_anything_like_an_array_of_probabilities_will_do(values: object) -> None:
-    assert estimated(Saying(values), [OPTION] * 3) == [0.0, 0.5, 1.0]
+    assert ask_estimator(Saying(values), [OPTION] * 3) == [0.0, 0.5, 1.0]
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_anything_like_an_array_of_probabilities_will_do(values: object) -> None
 )
 def test_what_is_no_probability_of_each_step_is_refused(values: object, sentence: str) -> None:
     with pytest.raises(IctampError, match=sentence):
-        estimated(Saying(values), [OPTION] * 2)
+        ask_estimator(Saying(values), [OPTION] * 2)
 
 
 @pytest.mark.parametrize("rule", [ProportionalConfig(), ElsConfig(weighted=True)])

@@ -16,7 +16,7 @@ from ictamp_drake.planning.round_robin import RoundRobinConfig
 from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
-from tests.runs.programs import printed
+from tests.runs.programs import run_code
 from tests.toy_world import ToyOptimizer, ToyWorld, encode, toy_planner
 
 ALGORITHMS: dict[type, str] = {
@@ -77,4 +77,4 @@ def test_no_record_is_left_over() -> None:
 @pytest.mark.parametrize("hash_seed", [0, 4242])
 def test_the_tree_does_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
     code = "from tests.planning.test_golden_trees import record; print(record('walls'), end='')"
-    assert printed(code, hash_seed) == (GOLDEN / "walls.json").read_text(encoding="utf-8")
+    assert run_code(code, hash_seed) == (GOLDEN / "walls.json").read_text(encoding="utf-8")

@@ -4,7 +4,7 @@ import math
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Obstruction
-from ictamp_drake.planning.obstructions import Obstructions, moved_by
+from ictamp_drake.planning.obstructions import Obstructions, boxes_moved_by
 from tests.symbolic.towers import state
 
 INITIAL = state([("table", "low"), ("table", "tall"), ("table", "other")])
@@ -37,7 +37,7 @@ def test_a_box_at_which_an_action_fails_again_and_again_is_in_its_way() -> None:
     search.fail("tall")
     assert search.obstructions.boxes(PICK) == {"tall"}
     assert search.obstructions.boxes(PLACE) == frozenset()
-    assert search.obstructions.of([PLACE, PICK]) == {Obstruction(PICK, "tall")}
+    assert search.obstructions.list_before([PLACE, PICK]) == {Obstruction(PICK, "tall")}
 
 
 def test_each_box_has_its_share_in_a_failure() -> None:
@@ -80,8 +80,8 @@ def test_successes_in_spite_of_a_box_count_for_it() -> None:
 def test_infinite_patience_leaves_all_boxes_where_they_are() -> None:
     search = Search(math.inf)
     search.fail("tall", times=50)
-    assert search.obstructions.of([PICK]) == frozenset()
+    assert search.obstructions.list_before([PICK]) == frozenset()
 
 
 def test_a_way_moves_the_first_argument_of_its_actions() -> None:
-    assert moved_by([*ASIDE, PLACE, Action("wait", ())]) == {"tall", "low"}
+    assert boxes_moved_by([*ASIDE, PLACE, Action("wait", ())]) == {"tall", "low"}

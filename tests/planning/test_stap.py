@@ -33,7 +33,7 @@ def test_after_a_failure_the_next_best_is_executed_from_the_start() -> None:
     assert result.actions == (RIGHT, UP, RIGHT)
 
 
-def test_when_all_have_failed_all_are_optimised_anew() -> None:
+def test_when_all_have_failed_all_are_optimized_anew() -> None:
     world = replace(WORLD, walls=((2, 1),))
     optimizer = ToyOptimizer(world)
     result = toy_planner(world, rule=StapConfig(), estimator=optimizer, steps=20).run()
@@ -62,8 +62,8 @@ def test_a_start_at_the_goal_that_is_not_verified_leaves_nothing_to_do() -> None
     assert result.stop_reason is StopReason.UNREACHABLE
 
 
-def test_an_estimator_that_does_not_optimise_plans_is_refused() -> None:
-    with pytest.raises(TypeError, match="Constant does not optimise plans"):
+def test_an_estimator_that_does_not_optimize_plans_is_refused() -> None:
+    with pytest.raises(TypeError, match="Constant does not optimize plans"):
         StapConfig().create(ConstantConfig().create())
 
 

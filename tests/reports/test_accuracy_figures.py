@@ -7,7 +7,7 @@ import pytest
 from matplotlib.image import imread
 from matplotlib.patches import Rectangle
 
-from ictamp_drake.reports.accuracy import Accuracy, advantage, compared
+from ictamp_drake.reports.accuracy import Accuracy, advantage, compare_estimators
 from ictamp_drake.reports.accuracy_figures import draw_all, figure_3, ground_truth, reliability
 from tests.learning.counted import case
 
@@ -17,7 +17,9 @@ def accuracy() -> Accuracy:
     rng = np.random.default_rng(0)
     cases = [case(number // 2, (rng.random(20) < number / 24).tolist()) for number in range(24)]
     names = ("P", "Q of 1 draw", "Q mean of 64")
-    return compared("pick", cases, {**{name: rng.random(24) for name in names}, "base rate": np.full(24, 0.5)})
+    return compare_estimators(
+        "pick", cases, {**{name: rng.random(24) for name in names}, "base rate": np.full(24, 0.5)}
+    )
 
 
 def test_figure_3_shows_every_case_in_ascending_order(accuracy: Accuracy) -> None:

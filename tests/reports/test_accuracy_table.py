@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from ictamp_drake.reports.accuracy import CEILING, Accuracy, Interval, compared
-from ictamp_drake.reports.accuracy_table import as_csv, cell, markdown, report
+from ictamp_drake.reports.accuracy import CEILING, Accuracy, Interval, compare_estimators
+from ictamp_drake.reports.accuracy_table import as_csv, cell, format_accuracies, markdown
 from tests.learning.counted import case
 
 
@@ -19,7 +19,7 @@ def accuracies() -> list[Accuracy]:
         rng = np.random.default_rng(len(skill))
         cases = [case(scene, (rng.random(10) < scene / 8).tolist(), skill) for scene in range(8)]
         estimates = {"P": np.linspace(0.1, 0.9, 8), "Q of 1 draw": rng.random(8), "base rate": np.full(8, 0.5)}
-        found.append(compared(skill, cases, estimates))
+        found.append(compare_estimators(skill, cases, estimates))
     return found
 
 
@@ -34,7 +34,7 @@ def test_figures_stand_with_their_intervals() -> None:
 def test_the_report_fits_a_screen_and_has_a_row_an_estimator(accuracies: list[Accuracy]) -> None:
     console = Console(width=120)
     with console.capture() as capture:
-        console.print(report(accuracies))
+        console.print(format_accuracies(accuracies))
     printed = capture.get()
     assert "…" not in printed
     assert "pick: 8 cases in 8 scenes, 80 executions" in printed

@@ -9,13 +9,13 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Skeleton
 from ictamp_drake.learning.checkpoint import Checkpoint, load
 from ictamp_drake.reports.contenders import BaseRates, KnownRates, contenders
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 
 
 @pytest.fixture(scope="module")
 def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Untrained, but the estimator of picks knows its base rate."""
-    folder = untrained(tmp_path_factory.mktemp("checkpoints"))
+    folder = write_untrained(tmp_path_factory.mktemp("checkpoints"))
     plain = load(folder, "estimator", "pick")
     names = ("kind", "skill", "arrays", "network", "provenance")
     Checkpoint(**{name: getattr(plain, name) for name in names}, metrics={"base_rate": 0.25}).save(folder)
@@ -23,8 +23,8 @@ def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_rates_are_those_of_the_checkpoints_unless_given(checkpoints: Path) -> None:
-    assert BaseRates(place=0.75).known(checkpoints).rates == {"pick": 0.25, "place": 0.75}
-    assert BaseRates(0.5, 0.75).known(checkpoints).rates == {"pick": 0.5, "place": 0.75}
+    assert BaseRates(place=0.75).complete(checkpoints).rates == {"pick": 0.25, "place": 0.75}
+    assert BaseRates(0.5, 0.75).complete(checkpoints).rates == {"pick": 0.5, "place": 0.75}
 
 
 def test_every_option_has_the_rate_of_its_first_action() -> None:
@@ -53,7 +53,7 @@ def test_dynamics_are_needed_for_plans_only(checkpoints: Path, tmp_path: Path) -
 
 def test_mistakes_are_answered_with_a_sentence(checkpoints: Path, tmp_path: Path) -> None:
     with pytest.raises(IctampError, match=r"place_estimator.*have no base_rate; name it by --base-rate.place"):
-        BaseRates().known(checkpoints)
+        BaseRates().complete(checkpoints)
     with pytest.raises(IctampError, match=r"base-rate.place is 1.5, but must be between 0 and 1"):
         BaseRates(place=1.5)
     with pytest.raises(IctampError, match="no such checkpoint"):

@@ -3,14 +3,14 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.reports.headroom import executed, headroom, virtual_best
+from ictamp_drake.reports.headroom import headroom, quickest_executions, virtual_best
 from ictamp_drake.runs.records import Record
 from tests.runs.recorded import run, table
 
 outcomes = st.lists(st.tuples(st.booleans(), st.floats(0.1, 50)), min_size=3, max_size=30)
 
 
-def of_three(outcomes: list[tuple[bool, float]]) -> list[Record]:
+def runs_of_three(outcomes: list[tuple[bool, float]]) -> list[Record]:
     """Runs of the strategies a, b and c on one problem after the other."""
     return [
         run("abc"[number % 3], number // 3, seconds, solved=solved) for number, (solved, seconds) in enumerate(outcomes)
@@ -19,7 +19,7 @@ def of_three(outcomes: list[tuple[bool, float]]) -> list[Record]:
 
 @given(outcomes)
 def test_it_solves_what_any_strategy_solves_as_quickly_as_the_quickest(outcomes: list[tuple[bool, float]]) -> None:
-    runs = table(*of_three(outcomes))
+    runs = table(*runs_of_three(outcomes))
     best = virtual_best(runs)
     assert set(best["problem"]) == set(runs["problem"])
     assert best["problem"].is_unique
@@ -63,7 +63,7 @@ def test_what_no_search_saves_is_to_execute_the_quickest_plan() -> None:
         *(run("a", number, 8.0, replay_time_s=3.0, cpu_time_s=8.0) for number in range(7)),
         *(run("b", number, 10.0, replay_time_s=4.0, cpu_time_s=9.0) for number in range(7)),
     )
-    assert list(executed(runs)["seconds"]) == [3.0] * 7
+    assert list(quickest_executions(runs)["seconds"]) == [3.0] * 7
 
 
 def test_earlier_versions_executed_each_plan_twice() -> None:
@@ -71,13 +71,13 @@ def test_earlier_versions_executed_each_plan_twice() -> None:
         *(run("a", number, 8.0, replay_time_s=3.0) for number in range(7)),
         *(run("b", number, 10.0, replay_time_s=2.0) for number in range(7)),
     )
-    assert list(executed(runs)["seconds"]) == [4.0] * 7
-    assert headroom(runs, executed)[2:] == ["| a | 0.50 (0.50 to 0.50) |", "| b | 0.40 (0.40 to 0.40) |"]
+    assert list(quickest_executions(runs)["seconds"]) == [4.0] * 7
+    assert headroom(runs, quickest_executions)[2:] == ["| a | 0.50 (0.50 to 0.50) |", "| b | 0.40 (0.40 to 0.40) |"]
 
 
 def test_plans_that_were_not_found_or_not_timed_bound_nothing() -> None:
     runs = table(
         run("a", 0, 8.0), run("a", 1, solved=False), run("b", 0, 8.0, replay_time_s=3.0), run("b", 1, solved=False)
     )
-    assert executed(runs)[["problem", "seconds"]].to_numpy().tolist() == [["easy-000", 6.0]]
-    assert headroom(table(run("a", 0), run("b", 0)), executed)[2:] == ["| a | - |", "| b | - |"]
+    assert quickest_executions(runs)[["problem", "seconds"]].to_numpy().tolist() == [["easy-000", 6.0]]
+    assert headroom(table(run("a", 0), run("b", 0)), quickest_executions)[2:] == ["| a | - |", "| b | - |"]

@@ -2,12 +2,12 @@
 
 import pytest
 
-from ictamp_drake.reports.pace import at_equal_pace
+from ictamp_drake.reports.pace import scale_to_equal_pace
 from ictamp_drake.runs.records import Record
 from tests.runs.recorded import LIMIT, run, table
 
 
-def measured(strategy: str, seconds: float, pace: float, **values: object) -> list[Record]:
+def measured_runs(strategy: str, seconds: float, pace: float, **values: object) -> list[Record]:
     """Runs of three problems in which a second of the plan took so long to compute, and one that found none."""
     values |= {"plan_duration_s": 10.0, "replay_time_s": 10.0 * pace}
     solved = [run(strategy, number, seconds, **values) for number in range(3)]
@@ -16,12 +16,12 @@ def measured(strategy: str, seconds: float, pace: float, **values: object) -> li
 
 def test_times_of_a_slower_machine_are_scaled_level_by_level() -> None:
     runs = table(
-        *measured("a", 6.0, pace=0.2),
-        *measured("a", 6.0, pace=0.1, level="hard"),
-        *measured("b", 5.0, pace=0.1),
-        *measured("b", 5.0, pace=0.1, level="hard"),
+        *measured_runs("a", 6.0, pace=0.2),
+        *measured_runs("a", 6.0, pace=0.1, level="hard"),
+        *measured_runs("b", 5.0, pace=0.1),
+        *measured_runs("b", 5.0, pace=0.1, level="hard"),
     )
-    scaled = at_equal_pace(runs, "b")
+    scaled = scale_to_equal_pace(runs, "b")
     solved = scaled[scaled["solved"]].groupby(["strategy", "level"], observed=True)
     assert solved["seconds"].mean().tolist() == pytest.approx([3.0, 6.0, 5.0, 5.0])
     assert solved["counted"].mean().tolist() == pytest.approx([3.0, 6.0, 5.0, 5.0])
@@ -33,4 +33,6 @@ def test_times_of_a_slower_machine_are_scaled_level_by_level() -> None:
 
 def test_where_the_pace_is_not_known_times_stay_as_measured() -> None:
     runs = table(*(run(name, number) for name in "ab" for number in range(4)))
-    assert at_equal_pace(runs, "b")[["seconds", "counted", "stages"]].equals(runs[["seconds", "counted", "stages"]])
+    assert scale_to_equal_pace(runs, "b")[["seconds", "counted", "stages"]].equals(
+        runs[["seconds", "counted", "stages"]]
+    )

@@ -10,12 +10,12 @@ import pytest
 from ictamp_drake.core.types import Action, FloatArray, Skeleton
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.learning.cases import Case, read_cases
-from ictamp_drake.reports.predictions import by_scene, predicted
+from ictamp_drake.reports.predictions import ask_contenders, group_by_scene
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
 from tests.learning.counted import folder_of, picks
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 
 EASY = 8  # number of a training scene whose goal takes several actions
 
@@ -26,15 +26,15 @@ def cases(tmp_path_factory: pytest.TempPathFactory) -> list[Case]:
     tried = [(EASY, None), (EASY + 1, None)]
     rows = [picks(number, [True, False], box) for number, box in tried]
     found = read_cases(folder_of(tmp_path_factory.mktemp("attempts"), *rows), "pick", least=2)
-    below = [_standing(case) for case in found]
+    below = [_support_of(case) for case in found]
     return [
         replace(case, action=Action("pick", (case.action.args[0], on))) for case, on in zip(found, below, strict=True)
     ]
 
 
-def _standing(case: Case) -> str:
+def _support_of(case: Case) -> str:
     """What the case's box stands on."""
-    state = Abstraction(World(training_scene(case.scene)))(case.c)
+    state = SceneAbstraction(World(training_scene(case.scene)))(case.c)
     (on,) = (
         atom.args[1] for atom in state if atom.predicate in ("on", "lying") and atom.args[0] == case.action.args[0]
     )
@@ -57,12 +57,12 @@ class Lengths:
 
 def test_contenders_are_asked_about_c_and_a_plan_from_it_to_the_goal(cases: list[Case]) -> None:
     lengths = Lengths()
-    for group in by_scene(cases):
-        predictions = predicted(group, {"lengths": lengths})
+    for group in group_by_scene(cases):
+        predictions = ask_contenders(group, {"lengths": lengths})
         assert [each.case for each in predictions] == group
         for each in predictions:
             world = World(training_scene(each.case.scene))
-            assert each.plan.states[0] == Abstraction(world)(each.case.c)
+            assert each.plan.states[0] == SceneAbstraction(world)(each.case.c)
             assert each.plan.actions[0] == each.case.action
             assert each.estimates.tolist() == [1 / len(each.plan)]
     assert [c for c, _ in lengths.asked] == [case.c for case in cases]
@@ -70,20 +70,20 @@ def test_contenders_are_asked_about_c_and_a_plan_from_it_to_the_goal(cases: list
 
 
 def test_estimates_are_those_of_the_estimators(cases: list[Case], tmp_path: Path) -> None:
-    config = PScoreConfig(untrained(tmp_path))
+    config = PScoreConfig(write_untrained(tmp_path))
     for case in cases:
-        (prediction,) = predicted([case], {"lengths": Lengths(), "P": config})
+        (prediction,) = ask_contenders([case], {"lengths": Lengths(), "P": config})
         world = World(training_scene(case.scene))
         alone = config.create(world).estimate([(case.c, Skeleton((frozenset(), frozenset()), (case.action,)))])
         np.testing.assert_allclose(prediction.estimates[1], alone[0], rtol=1e-5)
 
 
 def test_cases_come_scene_by_scene(cases: list[Case]) -> None:
-    assert by_scene([cases[1], cases[0], cases[1]]) == [[cases[0]], [cases[1], cases[1]]]
+    assert group_by_scene([cases[1], cases[0], cases[1]]) == [[cases[0]], [cases[1], cases[1]]]
 
 
 def test_an_action_that_does_not_apply_in_c_is_left_out(cases: list[Case]) -> None:
     impossible = replace(cases[0], action=Action("place", cases[0].action.args))
-    predictions = predicted([impossible, cases[0]], {"lengths": Lengths()})
+    predictions = ask_contenders([impossible, cases[0]], {"lengths": Lengths()})
     assert [each.case for each in predictions] == [cases[0]]
-    assert predicted([impossible], {"lengths": Lengths()}) == []
+    assert ask_contenders([impossible], {"lengths": Lengths()}) == []

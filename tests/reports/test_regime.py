@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.reports.regime import UNNAMED, read_regime, tabulated
+from ictamp_drake.reports.regime import UNNAMED, read_regime, tabulate_runs
 from ictamp_drake.runs.records import OWN
 from tests.runs.recorded import CONDITIONS, folder_of, run
 
@@ -33,18 +33,18 @@ def test_a_regime_says_how_its_runs_were_made(tmp_path: Path) -> None:
 
 def test_unsolved_runs_count_with_the_time_limit() -> None:
     records = [run("a", 0, seconds=4.0), run("a", 1, seconds=7.0, solved=False)]
-    assert tabulated(records, 60.0)["counted"].tolist() == [4.0, 60.0]
-    assert tabulated(records)["counted"].tolist() == [4.0, 7.0]
+    assert tabulate_runs(records, 60.0)["counted"].tolist() == [4.0, 60.0]
+    assert tabulate_runs(records)["counted"].tolist() == [4.0, 7.0]
 
 
 def test_rows_are_in_the_same_order_whatever_that_of_the_records() -> None:
     each = product((0, 1), ("easy", "hard"), (0, 1))
     records = [run("a", number, level=level, seed=seed) for number, level, seed in each]
-    assert tabulated(records).equals(tabulated(records[::-1]))
+    assert tabulate_runs(records).equals(tabulate_runs(records[::-1]))
 
 
 def test_what_has_no_name_gets_one() -> None:
-    runs = tabulated([run("", level=None)])
+    runs = tabulate_runs([run("", level=None)])
     assert runs.loc[0, ["strategy", "level"]].tolist() == [UNNAMED, OWN]
 
 

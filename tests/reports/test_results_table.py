@@ -13,10 +13,10 @@ from ictamp_drake.reports.results_table import (
     PUBLISHED,
     as_csv,
     cells,
+    format_number,
     latex,
     markdown,
-    published,
-    shown,
+    published_rows,
     table_1,
     wilson,
 )
@@ -71,7 +71,7 @@ def test_latex_shows_any_name() -> None:
     ("value", "text"), [(math.nan, "-"), (0.0, "0.0"), (0.12345, "0.1"), (84.52, "84.5"), (1234.5, "1234.5")]
 )
 def test_figures_have_as_many_digits_as_the_papers(value: float, text: str) -> None:
-    assert shown(value) == text
+    assert format_number(value) == text
 
 
 def test_a_row_reads_as_in_the_paper() -> None:
@@ -89,7 +89,7 @@ def test_a_plan_takes_the_arm_what_is_known_of_all_of_them() -> None:
 
 
 def test_the_papers_rows_are_of_its_problems() -> None:
-    rows = published()
+    rows = published_rows()
     assert {(row.level, row.problems) for row in rows} == {(name, level.count) for name, level in PAPER_LEVELS.items()}
     assert [row.solved for row in rows if row.strategy == "p_score"] == [45, 16, 1]
     assert all(math.isnan(row.mean_s) == (row.solved == 0) for row in rows)
@@ -99,7 +99,7 @@ def test_the_papers_rows_are_of_its_problems() -> None:
 
 
 def test_latex_has_a_block_a_source_and_a_rule_a_level() -> None:
-    text = latex([*table_1("my_runs", RUNS), *published()])
+    text = latex([*table_1("my_runs", RUNS), *published_rows()])
     lines = text.splitlines()
     assert lines[0] == r"\begin{tabular}{llrrrrrrrr}"
     assert r"easy & P\_score & 3 of 4 & 75 \% (30 \% to 95 \%) & 6.0 & 6.0 & 19.5 & 1.00 & 9.0 & 9.0 \\" in lines
@@ -112,7 +112,7 @@ def test_latex_has_a_block_a_source_and_a_rule_a_level() -> None:
 
 
 def test_the_figures_can_be_read_back() -> None:
-    rows = [*table_1("paper", RUNS), *published()]
+    rows = [*table_1("paper", RUNS), *published_rows()]
     read = pd.read_csv(io.StringIO(as_csv(rows)))
     assert read["source"].tolist() == [row.source for row in rows]
     assert read["mean_s"].tolist() == pytest.approx([row.mean_s for row in rows], nan_ok=True)

@@ -43,7 +43,7 @@ def run(program: str, *arguments: str | Path, folder: Path, hash_seed: int = 0) 
     )
 
 
-def printed(code: str, hash_seed: int) -> str:
+def run_code(code: str, hash_seed: int) -> str:
     """What Python code prints in a process of its own, where sets have an order of their own."""
     command = [sys.executable, "-c", code]
     return subprocess.run(command, env=environment(hash_seed), capture_output=True, text=True, check=True).stdout

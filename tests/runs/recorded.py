@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from ictamp_drake.reports.regime import tabulated
+from ictamp_drake.reports.regime import tabulate_runs
 from ictamp_drake.runs.folder import CONFIG, RESULTS
 from ictamp_drake.runs.records import Record, append
 
@@ -54,7 +54,7 @@ def run(strategy: str, number: int = 0, seconds: float = 4.0, **values: Any) -> 
 
 def table(*records: Record, time_limit: float | None = LIMIT) -> pd.DataFrame:
     """The records as what is reported."""
-    return tabulated(records, time_limit)
+    return tabulate_runs(records, time_limit)
 
 
 def folder_of(folder: Path, records: Iterable[Record], config: Mapping[str, Any] | None = CONDITIONS) -> Path:

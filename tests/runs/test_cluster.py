@@ -10,7 +10,7 @@ from ray.cluster_utils import Cluster
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.cluster import connected
+from ictamp_drake.runs.cluster import connect_cluster
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.pool import end_with_parent
@@ -31,7 +31,7 @@ def cluster() -> Iterator[Cluster]:
         yield cluster
 
 
-def squared(number: int) -> int:
+def square_or_fail(number: int) -> int:
     """What a task may come to: a result, an error, a death or no end."""
     if number == 1:
         raise ValueError("one")
@@ -43,8 +43,8 @@ def squared(number: int) -> int:
 
 
 def test_a_task_that_fails_dies_or_hangs_takes_no_other_with_it(cluster: Cluster) -> None:
-    with connected(cluster.address, end_with_parent) as engine:
-        futures = [engine.submit(squared, number, timeout=20.0) for number in range(5)]
+    with connect_cluster(cluster.address, end_with_parent) as engine:
+        futures = [engine.submit(square_or_fail, number, timeout=20.0) for number in range(5)]
         assert futures[0].result() == 0
         assert futures[4].result() == 16
         with pytest.raises(ValueError, match="one"):

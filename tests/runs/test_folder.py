@@ -11,7 +11,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.runs.conduct import Conduct
-from ictamp_drake.runs.folder import opened
+from ictamp_drake.runs.folder import open_run_folder
 from ictamp_drake.tamp.method import Method, Planners
 from ictamp_drake.world.simulate import PhysicsConfig
 
@@ -26,7 +26,7 @@ def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def start(method: Method | None = None, work: dict[str, object] | None = None, **conduct: object) -> Path:
     about = {**(work or WORK), "options": (method or Method()).decisive}
-    with opened("packing-easy", about, Conduct(**conduct)) as folder:  # type: ignore[arg-type]
+    with open_run_folder("packing-easy", about, Conduct(**conduct)) as folder:  # type: ignore[arg-type]
         return folder
 
 
@@ -62,7 +62,7 @@ def test_resume_takes_no_run_of_a_name_that_only_begins_the_same() -> None:
 def test_resume_takes_a_name_literally() -> None:
     start(out=Path("runs/desk1-20261124-133059"))
     start(out=Path("runs/desk[1]-20261124-133058"))
-    with opened("desk[1]", {**WORK, **OPTIONS}, Conduct(resume=True)) as folder:
+    with open_run_folder("desk[1]", {**WORK, **OPTIONS}, Conduct(resume=True)) as folder:
         assert folder == Path("runs/desk[1]-20261124-133058")
 
 
@@ -175,7 +175,7 @@ def test_an_option_that_the_old_run_did_not_know_is_named() -> None:
 def test_a_folder_in_use_is_refused() -> None:
     conduct = Conduct(out=Path("out"))
     with (
-        opened("packing-easy", {**WORK, **OPTIONS}, conduct),
+        open_run_folder("packing-easy", {**WORK, **OPTIONS}, conduct),
         pytest.raises(IctampError, match="another process is at work"),
     ):
         start(out=Path("out"))
@@ -189,7 +189,7 @@ def test_how_a_run_is_carried_out_may_change() -> None:
         assert start(**vars(conduct)) == out
 
 
-def compared(what: str, **values: float) -> dict[str, object]:
+def comparison_config(what: str, **values: float) -> dict[str, object]:
     """What a comparison is about, each strategy or scene with one figure."""
     return {"program": "runner", what: {name: {"figure": value} for name, value in values.items()}}
 
@@ -198,14 +198,14 @@ def compared(what: str, **values: float) -> dict[str, object]:
 def test_strategies_and_scenes_may_be_added_but_not_changed(what: str) -> None:
     conduct = Conduct(out=Path("out"))
     for values in ({"one": 60.0, "two": 60.0}, {"one": 60.0, "three": 60.0}):
-        with opened("runner", compared(what, **values), conduct):
+        with open_run_folder("runner", comparison_config(what, **values), conduct):
             pass
     config = yaml.safe_load(Path("out/config.yaml").read_text())
     assert list(config[what]) == ["one", "two", "three"]
     assert len(config["sessions"]) == 2
     with (
         pytest.raises(IctampError, match=rf"{what}.two.figure 30.0, since it was made with 60.0"),
-        opened("runner", compared(what, two=30.0), conduct),
+        open_run_folder("runner", comparison_config(what, two=30.0), conduct),
     ):
         pass
 

@@ -9,7 +9,7 @@ from ictamp_drake.core.types import Action, Atom, Attempt, Skeleton
 from ictamp_drake.planning.events import PlanOpened, StepDone, StepStarted
 from ictamp_drake.planning.tree import Node
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.progress import Progress, clock, outcome
+from ictamp_drake.runs.progress import Progress, format_clock, outcome
 from ictamp_drake.runs.records import Record
 
 PICK = Action("pick", ("red_box", "table"))
@@ -21,7 +21,7 @@ def record(problem: str, **values: object) -> Record:
     )  # type: ignore[arg-type]
 
 
-def at_work(board: Board, slot: int) -> None:
+def begin_work(board: Board, slot: int) -> None:
     """A worker begins, opens a plan, fails at one step and begins another."""
     node = Node(0, 0, frozenset({Atom("at", ("0",))}))
     board.start(slot)
@@ -34,25 +34,25 @@ def at_work(board: Board, slot: int) -> None:
 
 def test_the_board_shows_who_is_at_what() -> None:
     board = Board(get_context("spawn"), 3)
-    at_work(board, 1)
-    (running,) = board.running()
+    begin_work(board, 1)
+    (running,) = board.list_running()
     assert (running.slot, running.plans, running.steps, running.doing) == (1, 1, 1, "pick(red_box, table)")
     assert running.seconds >= 0
     board.finish(1)
-    assert not list(board.running())
+    assert not list(board.list_running())
 
 
 def test_the_board_takes_names_of_any_length() -> None:
     board = Board(get_context("spawn"), 1)
     board.start(0)
     board.tell(0, StepStarted(Node(0, 0, frozenset()), Action("pick", ("ö" * 99, "table"))))
-    (running,) = board.running()
+    (running,) = board.list_running()
     assert running.doing.startswith("pick(öö")
 
 
 def test_a_terminal_shows_what_is_going_on() -> None:
     board = Board(get_context("spawn"), 2)
-    at_work(board, 1)
+    begin_work(board, 1)
     output = StringIO()
     console = Console(file=output, force_terminal=True, width=100)
     with Progress(console, ["easy-003", "easy-004"], total=5, solved=2) as progress:
@@ -70,7 +70,7 @@ def test_a_terminal_shows_what_is_going_on() -> None:
 
 def test_without_a_terminal_there_is_one_line_for_each_finished_problem() -> None:
     board = Board(get_context("spawn"), 2)
-    at_work(board, 1)
+    begin_work(board, 1)
     output = StringIO()
     with Progress(Console(file=output, width=80), ["a", "b"], total=2, solved=0) as progress:
         progress(board, [])
@@ -90,4 +90,4 @@ def test_the_outcome_names_strategy_and_seed_where_there_are_several() -> None:
 
 
 def test_times_are_readable() -> None:
-    assert [clock(seconds) for seconds in (0.9, 7, 750, 3723)] == ["0:00", "0:07", "12:30", "1:02:03"]
+    assert [format_clock(seconds) for seconds in (0.9, 7, 750, 3723)] == ["0:00", "0:07", "12:30", "1:02:03"]

@@ -10,19 +10,20 @@ from pathlib import Path
 
 import pytest
 
-from ictamp_drake.runs import pages, worker
+from ictamp_drake.runs import worker
+from ictamp_drake.tamp import pages
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.worker import Job, Prepared, Problem
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.tamp.method import Method, Samplers
 from tests.runs.programs import SCENE, timeless
 
 METHOD = Method(time_limit=250.0)
 SHORT = replace(METHOD, max_steps=1)
-NO_GRASP = OptimisationConfig(ground=1.0)
+NO_GRASP = OptimizationConfig(ground=1.0)
 ENDLESS = replace(METHOD, sampler="optimisation", samplers=Samplers(optimisation=NO_GRASP))
 """Finds no grasp, since all are too high above the ground, and does not give up."""
 PAGES = {"tree.json", "tree.svg", "growth.svg", "scene.png", "search.html", "replay.html"}
@@ -111,7 +112,7 @@ def wait(*_: object) -> None:
         time.sleep(0.01)
 
 
-def broken(write: Callable[..., object]) -> Callable[..., None]:
+def break_writer(write: Callable[..., object]) -> Callable[..., None]:
     def fail(*_: object, **__: object) -> None:
         raise OSError(f"{write.__name__} is out of ink")
 
@@ -119,7 +120,7 @@ def broken(write: Callable[..., object]) -> Callable[..., None]:
 
 
 def test_a_page_that_fails_costs_only_itself(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pages, "search_html", broken(pages.search_html))
+    monkeypatch.setattr(pages, "search_html", break_writer(pages.search_html))
     told = done(job, tmp_path / "out")
     first, second = told.records
     assert first.error is None
@@ -139,13 +140,13 @@ def test_pages_that_never_end_are_given_up(job: Job, tmp_path: Path, monkeypatch
     assert (tmp_path / "out" / "scene" / "scene.yaml").exists()
 
 
-def interrupted(job: Job, folder: Path, *, steps: int = 0, times: int = 1) -> bool:
+def interrupt_sweep(job: Job, folder: Path, *, steps: int = 0, times: int = 1) -> bool:
     """Sweep the job until Ctrl-C is pressed so often after some of its steps."""
     folder.mkdir()
     boards: list[Board] = []
 
     def press() -> None:
-        while not (boards and any(running.steps >= steps for running in boards[0].running())):
+        while not (boards and any(running.steps >= steps for running in boards[0].list_running())):
             time.sleep(0.01)
         for _ in range(times):
             os.kill(os.getpid(), signal.SIGINT)
@@ -158,7 +159,7 @@ def interrupted(job: Job, folder: Path, *, steps: int = 0, times: int = 1) -> bo
 
 
 def test_ctrl_c_lets_a_job_in_this_process_finish_its_step(job: Job, tmp_path: Path) -> None:
-    assert not interrupted(job, tmp_path / "out", steps=1)
+    assert not interrupt_sweep(job, tmp_path / "out", steps=1)
     (record,) = read_records(tmp_path / "out" / "results.jsonl").values()
     assert record.stop_reason == "STOPPED"
     assert record.low_level_steps > 0
@@ -171,6 +172,6 @@ def test_a_second_ctrl_c_ends_a_job_in_this_process_at_once(
     monkeypatch.setattr(worker, "solve", wait)
     before = signal.getsignal(signal.SIGINT)  # ignored where the tests run in the background
     with pytest.raises(KeyboardInterrupt):
-        interrupted(job, tmp_path / "out", times=2)
+        interrupt_sweep(job, tmp_path / "out", times=2)
     assert not (tmp_path / "out" / "results.jsonl").exists()
     assert signal.getsignal(signal.SIGINT) is before

@@ -4,7 +4,7 @@ import pytest
 from rich.console import Console
 
 from ictamp_drake.runs.records import Record
-from ictamp_drake.runs.table import blocker, figures, report
+from ictamp_drake.runs.table import blocker, figures, format_results
 
 
 def record(problem: str, **values: object) -> Record:
@@ -12,7 +12,7 @@ def record(problem: str, **values: object) -> Record:
     return Record(**{**defaults, **values}, problem=problem)  # type: ignore[arg-type]
 
 
-def solved(problem: str, seconds: float, steps: int, **values: object) -> Record:
+def solved_record(problem: str, seconds: float, steps: int, **values: object) -> Record:
     figures = {"planning_time_s": seconds, "low_level_steps": steps, "replay_time_s": 2.0, "plan_length": 6}
     return record(problem, solved=True, verified=True, stop_reason="SOLVED", high_level_plans=1, **figures, **values)
 
@@ -21,7 +21,7 @@ def text(*records: Record) -> str:
     console = Console(width=120, record=True, quiet=True)
     with console.capture() as capture:
         console.quiet = False
-        console.print(report(records))
+        console.print(format_results(records))
     return capture.get()
 
 
@@ -54,7 +54,12 @@ def test_a_blocked_action_names_what_was_most_often_in_its_way() -> None:
 
 
 def test_figures_are_of_the_solved_problems() -> None:
-    records = [solved("a", 4.0, 6), solved("b", 6.0, 12), solved("c", 20.0, 9), record("d", low_level_steps=500)]
+    records = [
+        solved_record("a", 4.0, 6),
+        solved_record("b", 6.0, 12),
+        solved_record("c", 20.0, 9),
+        record("d", low_level_steps=500),
+    ]
     assert figures(records) == ["3 of 4", "6", "10", "1", "9", "1.5", "3"]
 
 
@@ -64,8 +69,8 @@ def test_without_a_solved_problem_there_are_no_figures() -> None:
 
 def test_problems_are_told_apart_by_interference() -> None:
     output = text(
-        solved("a", 4.0, 6),
-        solved("b", 6.0, 12, interference=("behind", "tipped")),
+        solved_record("a", 4.0, 6),
+        solved_record("b", 6.0, 12, interference=("behind", "tipped")),
         record("c", interference=("behind",)),
     )
     rows = {line.split("  ")[0].strip(): line for line in output.splitlines()}
@@ -77,7 +82,7 @@ def test_problems_are_told_apart_by_interference() -> None:
 
 def test_failures_are_counted_over_all_problems() -> None:
     output = text(
-        solved("a", 4.0, 6, failures={"SLIPPED": 1}),
+        solved_record("a", 4.0, 6, failures={"SLIPPED": 1}),
         record("b", low_level_steps=10, failures={"SLIPPED": 2, "NO_PATH": 1}, blocked={"pick(x, y)": {"NO_PATH": 1}}),
     )
     assert "failures in 16 low-level steps" in output

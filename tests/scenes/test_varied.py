@@ -14,7 +14,7 @@ from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.packing import make_problem
 from ictamp_drake.scenes.spec import ArmSpec, SceneSpec, Vector, load_scene
 from ictamp_drake.scenes.varied import LARGEST_GOAL, LEAST_BOXES, MOST_BOXES
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
 
 streams = st.sampled_from([Stream.SCENES, Stream.DATA])
@@ -25,7 +25,7 @@ def goal(spec: SceneSpec) -> list[Atom]:
     return [Atom(predicate, (a, b)) for predicate, a, b in re.findall(r"\((on|lying) (\w+) (\w+)\)", spec.goal)]
 
 
-def from_arm(spec: SceneSpec, position: Vector) -> FloatArray:
+def to_arm_frame(spec: SceneSpec, position: Vector) -> FloatArray:
     """The position in the frame of the arm's base [m]."""
     offset = [a - b for a, b in zip(position, spec.arm.position, strict=True)]
     return Rotation.from_euler("z", -spec.arm.yaw, degrees=True).apply(offset)
@@ -35,7 +35,7 @@ def from_arm(spec: SceneSpec, position: Vector) -> FloatArray:
 def test_boxes_are_as_many_as_promised_and_within_reach(spec: SceneSpec) -> None:
     assert LEAST_BOXES <= len(spec.boxes) <= MOST_BOXES
     for box in spec.boxes.values():
-        assert 0.2 < math.hypot(*from_arm(spec, box.position)[:2]) < 0.75
+        assert 0.2 < math.hypot(*to_arm_frame(spec, box.position)[:2]) < 0.75
 
 
 @given(problems)
@@ -56,7 +56,7 @@ def test_nothing_overlaps_at_the_start_and_the_goal_does_not_hold(spec: SceneSpe
     c = world.initial_configuration()
     touches = world.touches(c, 0.0)
     assert [touch for touch in touches if touch.distance < -1e-4 and {touch.a, touch.b} & set(spec.boxes)] == []
-    state = Abstraction(world)(c)
+    state = SceneAbstraction(world)(c)
     assert {atom.args[0] for atom in state if atom.predicate in ("on", "lying")} == set(spec.boxes)
     assert not set(goal(spec)) <= state
 

@@ -8,14 +8,14 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Parameter, State
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.skills.runner import SamplerConfig, Skills, SkillsConfig
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.simulate import Physics, PhysicsConfig
 from ictamp_drake.world.world import World
 
-OPTIMISATION = OptimisationConfig()
+OPTIMISATION = OptimizationConfig()
 KINEMATIC = frozenset({Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})
 """Causes of failure before anything is simulated."""
 
@@ -25,7 +25,7 @@ class Rig:
     """One scene with its physics and skills."""
 
     world: World
-    abstraction: Abstraction
+    abstraction: SceneAbstraction
     physics: Physics
     skills: Skills
 
@@ -40,7 +40,7 @@ class Rig:
         spec = self.world.spec
         return Domain.create(sorted(spec.boxes), sorted(spec.supports), self.abstraction(self.start))
 
-    def promised(self, c: Configuration, action: Action) -> State:
+    def promised_state(self, c: Configuration, action: Action) -> State:
         """What the action promises in c."""
         return self.domain.successor(self.abstraction(c), action)
 
@@ -48,13 +48,13 @@ class Rig:
         self, c: Configuration, action: Action, seed: int = 0, k: Parameter | None = None
     ) -> Attempt[Configuration]:
         """One low-level step from c."""
-        return self.skills.attempt(c, action, self.promised(c, action), np.random.default_rng(seed), k)
+        return self.skills.attempt(c, action, self.promised_state(c, action), np.random.default_rng(seed), k)
 
 
 def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMISATION, draws: int = 8) -> Rig:
     """The scene with the default physics and skills."""
     world = World(spec)
-    abstraction = Abstraction(world)
+    abstraction = SceneAbstraction(world)
     physics = PhysicsConfig().create(world)
     skills = replace(SkillsConfig(), draws=draws).create(world, abstraction, physics, sampler)
     return Rig(world, abstraction, physics, skills)

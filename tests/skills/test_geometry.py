@@ -17,12 +17,12 @@ from ictamp_drake.skills.geometry import (
     needed_opening,
     placement_parameter,
     placement_pose,
-    raised,
+    raise_pose,
     yaw_of,
 )
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
-from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, holding, pose, scene
+from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
 
 lengths, turns = st.floats(-0.1, 0.1), st.floats(-3.1, 3.1)
 parameters = st.tuples(lengths, lengths, lengths, turns).map(np.array)
@@ -37,7 +37,7 @@ def world() -> World:
     return World(scene(far_boxes()))
 
 
-def lying(roll: float, yaw: float) -> FloatArray:
+def lying_pose(roll: float, yaw: float) -> FloatArray:
     return pose(0.5, 0.1, 0.1, roll=roll, yaw=yaw)
 
 
@@ -45,7 +45,7 @@ def lying(roll: float, yaw: float) -> FloatArray:
 def test_grasp_parameter_is_the_inverse_of_grasp_pose(
     world: World, k: FloatArray, roll: float, yaw: float, tilt: float
 ) -> None:
-    c = arranged(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
+    c = arrange(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
     X_WG = grasp_pose(world, c, "red_box", k)
     np.testing.assert_allclose(grasp_parameter(world, c, "red_box", X_WG), k, atol=1e-9)
 
@@ -55,7 +55,7 @@ def test_the_needed_opening_just_holds_the_box(
     world: World, k: FloatArray, roll: float, yaw: float, tilt: float
 ) -> None:
     """The corner that is furthest from the middle of the hand, along its fingers' direction, touches a finger."""
-    c = arranged(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
+    c = arrange(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
     X_WG = grasp_pose(world, c, "red_box", k)
     corners = np.array(np.meshgrid(*[(-side / 2, side / 2) for side in SIZES["red_box"]])).reshape(3, -1)
     p_GC = (X_WG.inverse() @ to_transform(c.poses["red_box"])).multiply(corners)
@@ -66,9 +66,9 @@ def test_the_needed_opening_just_holds_the_box(
 
 @given(k=parameters, roll=rolls, yaw=st.floats(-180, 180))
 def test_a_grasp_points_down_and_turns_about_the_vertical(world: World, k: FloatArray, roll: float, yaw: float) -> None:
-    c = arranged(world, {"red_box": lying(roll, yaw)})
+    c = arrange(world, {"red_box": lying_pose(roll, yaw)})
     X_WG = grasp_pose(world, c, "red_box", k)
-    R_WU = world.upright(c, "red_box").X_WU.rotation()
+    R_WU = world.upright_frame(c, "red_box").X_WU.rotation()
     np.testing.assert_allclose(X_WG.rotation().matrix()[:, 2], [0, 0, -1], atol=1e-9)
     along = np.array([np.cos(k[3]), np.sin(k[3]), 0.0])
     np.testing.assert_allclose(X_WG.rotation().matrix()[:, 0], R_WU @ along, atol=1e-9)
@@ -80,7 +80,8 @@ def test_the_same_k_at_a_moved_object_is_the_moved_grasp(
     world: World, k: FloatArray, roll: float, yaw: float, X: RigidTransform
 ) -> None:
     here, there = (
-        arranged(world, {"red_box": p}) for p in (lying(roll, yaw), to_pose(X @ to_transform(lying(roll, yaw))))
+        arrange(world, {"red_box": p})
+        for p in (lying_pose(roll, yaw), to_pose(X @ to_transform(lying_pose(roll, yaw))))
     )
     moved = X @ grasp_pose(world, here, "red_box", k)
     assert grasp_pose(world, there, "red_box", k).IsNearlyEqualTo(moved, 1e-9)
@@ -90,7 +91,7 @@ def test_the_same_k_at_a_moved_object_is_the_moved_grasp(
 def test_placement_parameter_is_the_inverse_of_placement_pose(
     world: World, k: FloatArray, roll: float, receptacle: str
 ) -> None:
-    c = holding(world, "red_box", roll, drop=0.01)
+    c = hold_box(world, "red_box", roll, drop=0.01)
     X_WG0 = to_transform(c.poses["red_box"]) @ RigidTransform(R_DOWN, [0.003, 0.0, 0.02])
     X_GB = held_bottom(world, c, "red_box", X_WG0)
     X_WG = placement_pose(world, c, receptacle, X_GB, k)
@@ -101,8 +102,8 @@ def test_placement_parameter_is_the_inverse_of_placement_pose(
 def test_the_same_k_at_a_moved_receptacle_is_the_moved_placement(
     world: World, k: FloatArray, X: RigidTransform
 ) -> None:
-    here = holding(world, "red_box")
-    there = arranged(world, {**here.poses, "cyan_box": to_pose(X @ to_transform(here.poses["cyan_box"]))}, "red_box")
+    here = hold_box(world, "red_box")
+    there = arrange(world, {**here.poses, "cyan_box": to_pose(X @ to_transform(here.poses["cyan_box"]))}, "red_box")
     X_GB = held_bottom(world, here, "red_box", to_transform(here.poses["red_box"]) @ RigidTransform(R_DOWN, [0, 0, 0]))
     moved = X @ placement_pose(world, here, "cyan_box", X_GB, k)
     assert placement_pose(world, there, "cyan_box", X_GB, k).IsNearlyEqualTo(moved, 1e-9)
@@ -110,7 +111,7 @@ def test_the_same_k_at_a_moved_receptacle_is_the_moved_placement(
 
 @pytest.mark.parametrize(("receptacle", "height"), [("table", 0.0), ("rack", RACK_TOP), ("cyan_box", 0.07)])
 def test_k_zero_puts_the_box_in_the_middle_of_the_top_face(world: World, receptacle: str, height: float) -> None:
-    c = holding(world, "red_box")
+    c = hold_box(world, "red_box")
     X_WG0 = to_transform(c.poses["red_box"]) @ RigidTransform(R_DOWN, [0.0, 0.0, 0.01])
     X_WG = placement_pose(world, c, receptacle, held_bottom(world, c, "red_box", X_WG0), np.zeros(4))
     X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses["red_box"])
@@ -120,8 +121,8 @@ def test_k_zero_puts_the_box_in_the_middle_of_the_top_face(world: World, recepta
 
 
 def test_the_grip_is_as_wide_as_the_side_between_the_fingers(world: World) -> None:
-    c = arranged(world, {"red_box": lying(90.0, 0.0)})
-    x, y, _ = world.upright(c, "red_box").size
+    c = arrange(world, {"red_box": lying_pose(90.0, 0.0)})
+    x, y, _ = world.upright_frame(c, "red_box").size
     assert {x, y} == {0.05, 0.118}
     for turn, side in ((0.0, y), (np.pi, y), (np.pi / 2, x), (-np.pi / 2, x), (0.1, y), (np.pi / 2 - 0.1, x)):
         assert grip_width(world, c, "red_box", turn) == side
@@ -130,13 +131,13 @@ def test_the_grip_is_as_wide_as_the_side_between_the_fingers(world: World) -> No
 @given(yaw=turns, rise=lengths)
 def test_raising_goes_straight_up(yaw: float, rise: float) -> None:
     X = RigidTransform(RotationMatrix.MakeZRotation(yaw), [1.0, 2.0, 3.0])
-    np.testing.assert_allclose(raised(X, rise).translation(), [1.0, 2.0, 3.0 + rise])
-    assert yaw_of(raised(X, rise).rotation()) == pytest.approx(yaw)
+    np.testing.assert_allclose(raise_pose(X, rise).translation(), [1.0, 2.0, 3.0 + rise])
+    assert yaw_of(raise_pose(X, rise).rotation()) == pytest.approx(yaw)
 
 
 @given(k=st.lists(parameters, min_size=1, max_size=3).map(np.array), receptacle=st.sampled_from(["rack", "cyan_box"]))
 def test_many_hand_poses_at_once_are_those_of_each_k(world: World, k: FloatArray, receptacle: str) -> None:
-    c = holding(world, "red_box", drop=0.01)
+    c = hold_box(world, "red_box", drop=0.01)
     X_WG = to_transform(c.poses["red_box"]) @ RigidTransform(R_DOWN, [0.003, 0.0, 0.02])
     X_GB = held_bottom(world, c, "red_box", X_WG)
     put = hand_poses(world, c, Action("place", ("red_box", receptacle)), k, X_WG)

@@ -26,7 +26,7 @@ step, so a box that is carried round a curve drifts outwards in proportion to th
 Deepest = dict[tuple[str, str], float]
 
 
-def executed(spec: SceneSpec, c: Configuration, motion: Motion, time_step: float | None = None) -> list[Frame]:
+def execute_motion(spec: SceneSpec, c: Configuration, motion: Motion, time_step: float | None = None) -> list[Frame]:
     """Every step of a motion, simulated once more."""
     step = time_step or PhysicsConfig().time_step
     physics = PhysicsConfig(time_step=step, record_period=step).create(World(spec))
@@ -93,7 +93,7 @@ def test_nothing_passes_through_anything(case: str) -> None:
         attempt = setup.attempt(c, action)
         assert attempt.succeeded, attempt.detail
         assert attempt.successor is not None
-        frames = executed(spec, c, attempt.motion)
+        frames = execute_motion(spec, c, attempt.motion)
         labels = [segment.label for segment in attempt.motion]
         ends = np.cumsum([segment.duration for segment in attempt.motion])
         released = ends[labels.index("release") - 1] if "release" in labels else np.inf
@@ -112,7 +112,7 @@ def test_a_box_carried_round_a_curve_stays_in_place_at_a_fine_step() -> None:
     picked = setup.attempt(setup.start, pick("blue_box", "red_box")).successor
     assert picked is not None
     motion = setup.attempt(picked, place("blue_box", "table")).motion
-    held = [frame for frame in executed(TOWER, picked, motion, 0.001) if frame.time <= motion[0].duration]
+    held = [frame for frame in execute_motion(TOWER, picked, motion, 0.001) if frame.time <= motion[0].duration]
     assert slip(setup.world, held, "blue_box") < FINE_SLIP
 
 
@@ -133,6 +133,8 @@ def test_the_check_sees_a_hand_in_a_box() -> None:
     setup = rig(TOWER)
     attempt = setup.attempt(setup.start, pick("blue_box", "red_box"))
     blind = {**setup.start.poses, "blue_box": np.array([1.0, 0, 0, 0, 0.5, 0.1, 0.3])}
-    frames = [Frame(0.0, Configuration(frame.c.q, blind)) for frame in executed(TOWER, setup.start, attempt.motion)]
+    frames = [
+        Frame(0.0, Configuration(frame.c.q, blind)) for frame in execute_motion(TOWER, setup.start, attempt.motion)
+    ]
     with pytest.raises(AssertionError, match="mm"):
         check(deepest(setup.world, frames), "red_box", CARRIED)

@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
 from ictamp_drake.world.world import World
-from tests.world.scenes import arranged, far_boxes, pose, scene
+from tests.world.scenes import arrange, far_boxes, pose, scene
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def world() -> World:
 
 
 def test_only_what_reaches_higher_counts(world: World) -> None:
-    c = arranged(world, {"red_box": pose(0.5, -0.1, 0.025, roll=90.0)})
+    c = arrange(world, {"red_box": pose(0.5, -0.1, 0.025, roll=90.0)})
 
     def count(height: float, without: set[str]) -> int:
         return len(neighbours(world, c, without, height))

@@ -10,9 +10,9 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Parameter
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
 from ictamp_drake.world.world import World
-from tests.world.scenes import scene, standing
+from tests.world.scenes import build_tower, scene
 
-WORLD = World(scene(standing("red_box", "blue_box")))
+WORLD = World(scene(build_tower("red_box", "blue_box")))
 START = WORLD.initial_configuration()
 CONFIG = PerturbedConfig()
 

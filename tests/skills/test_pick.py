@@ -16,21 +16,21 @@ from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
 from ictamp_drake.skills.base import CLEARANCES
 from ictamp_drake.skills.geometry import grasp_pose, needed_opening
 from ictamp_drake.skills.pick import PickConfig
-from ictamp_drake.world.commands import gripper_time, obeyed_at
+from ictamp_drake.world.commands import gripper_time, obedience_time
 from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, rig
-from tests.world.scenes import scene, standing
+from tests.world.scenes import build_tower, scene
 
 BETWEEN = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "neighbours-8-mm.yaml")
 WANTED = pick("wanted", "table")
 ACROSS = np.array([0.0, 0.0, 0.036, 0.0])
 """A grasp in the middle of the wanted box, the fingers above its low neighbours."""
 
-FREE = World(scene({**standing("yellow_box", y=-0.05), **standing("red_box", y=0.3)}))
+FREE = World(scene({**build_tower("yellow_box", y=-0.05), **build_tower("red_box", y=0.3)}))
 PLANNER = MotionPlanner(FREE)
 
 
-def planned(
+def plan_pick(
     world: World, box: str, k: np.ndarray, c: Configuration | None = None, config: PickConfig | None = None
 ) -> Motion | Refusal:
     skill = (config or PickConfig()).create(world, MotionPlanner(world) if world is not FREE else PLANNER)
@@ -38,7 +38,7 @@ def planned(
     return skill.plan(c, pick(box, "table"), k, np.random.default_rng(0))
 
 
-def by_label(motion: Motion | Refusal) -> dict[str, GripperCommand]:
+def commands_by_label(motion: Motion | Refusal) -> dict[str, GripperCommand]:
     assert not isinstance(motion, Refusal), motion
     return {segment.label: segment.gripper for segment in motion}
 
@@ -58,8 +58,8 @@ def test_the_hand_comes_down_open_wide_enough(
     height = FREE.sizes[box][2] / 2 - 0.02
     k = np.array([-across * np.sin(yaw), across * np.cos(yaw), height, yaw])
     c = replace(FREE.initial_configuration(), gripper=GripperCommand(before))
-    motion = planned(FREE, box, k, c)
-    commands = by_label(motion)
+    motion = plan_pick(FREE, box, k, c)
+    commands = commands_by_label(motion)
     assert not isinstance(motion, Refusal)
     needed = needed_opening(FREE, c, box, grasp_pose(FREE, c, box, k))
     assert commands["lower"].width == pytest.approx(min(needed + 2 * CLEARANCES[0], GRIPPER_MAX_WIDTH))
@@ -68,18 +68,18 @@ def test_the_hand_comes_down_open_wide_enough(
     assert commands["grasp"].width <= needed
     labels = [segment.label for segment in motion]
     ready = motion[: labels.index("lower")]
-    assert obeyed_at(c.gripper, ready) <= sum(segment.duration for segment in ready) + 1e-9
-    assert obeyed_at(c.gripper, motion) <= sum(segment.duration for segment in motion) + 1e-9
+    assert obedience_time(c.gripper, ready) <= sum(segment.duration for segment in ready) + 1e-9
+    assert obedience_time(c.gripper, motion) <= sum(segment.duration for segment in motion) + 1e-9
 
 
 def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
     k = np.array([0.0, 0.0, 0.03, 0.0])
-    first = planned(FREE, "red_box", k)
+    first = plan_pick(FREE, "red_box", k)
     assert not isinstance(first, Refusal)
     near = first[1].control_points[0] + 0.01  # close to where the hand is lowered from
     start = FREE.initial_configuration()
     closed = Configuration(np.append(near, [0.0, 0.0]), start.poses, None, GripperCommand(0.0))
-    motion = planned(FREE, "red_box", k, closed)
+    motion = plan_pick(FREE, "red_box", k, closed)
     assert not isinstance(motion, Refusal)
     adjust, approach, lower = motion[:3]
     assert [adjust.label, approach.label, lower.label] == ["adjust", "approach", "lower"]
@@ -90,9 +90,9 @@ def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
 
 def test_neighbours_make_the_hand_open_less() -> None:
     world = World(BETWEEN)
-    commands = by_label(planned(world, "wanted", ACROSS))
+    commands = commands_by_label(plan_pick(world, "wanted", ACROSS))
     assert commands["lower"].width == pytest.approx(0.05 + 2 * CLEARANCES[-1], abs=1e-6)
-    wide = planned(world, "wanted", ACROSS, config=PickConfig(clearances=CLEARANCES[:-1]))
+    wide = plan_pick(world, "wanted", ACROSS, config=PickConfig(clearances=CLEARANCES[:-1]))
     assert isinstance(wide, Refusal)
     assert wide.failure is Failure.GOAL_IN_COLLISION
     assert wide.obstacle in {"left_back", "right_back"}
@@ -131,9 +131,9 @@ def _well(depth: float) -> SceneSpec:
 
 def test_a_hand_too_wide_for_where_it_is_lowered_closes_a_little_before_it_sets_out() -> None:
     world = World(_well(0.085))
-    motion = planned(world, "small", np.array([0.0, 0.0, 0.021, 0.0]))
-    commands = by_label(motion)
+    motion = plan_pick(world, "small", np.array([0.0, 0.0, 0.021, 0.0]))
+    commands = commands_by_label(motion)
     assert list(commands)[:3] == ["adjust", "approach", "lower"]
     assert commands["adjust"] == commands["lower"]
-    shallow = planned(World(_well(0.06)), "small", np.array([0.0, 0.0, 0.021, 0.0]))
-    assert "adjust" not in by_label(shallow)
+    shallow = plan_pick(World(_well(0.06)), "small", np.array([0.0, 0.0, 0.021, 0.0]))
+    assert "adjust" not in commands_by_label(shallow)

@@ -10,7 +10,7 @@ from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.base import CLEARANCES
 from ictamp_drake.skills.place import PlaceConfig
-from ictamp_drake.world.commands import obeyed_at
+from ictamp_drake.world.commands import obedience_time
 from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, place, rig
 from tests.world.scenes import scene
@@ -40,7 +40,7 @@ class Counting(MotionPlanner):
         return super().transfer(*arguments)  # type: ignore[arg-type]
 
 
-def carried(spec: SceneSpec) -> Configuration:
+def carry_box(spec: SceneSpec) -> Configuration:
     """The box in the hand."""
     setup = rig(spec)
     picked = setup.attempt(setup.start, pick("moved", "table"), k=GRASP)
@@ -51,29 +51,29 @@ def carried(spec: SceneSpec) -> Configuration:
 
 @pytest.fixture(scope="module")
 def held() -> Configuration:
-    return carried(_between(0.1))
+    return carry_box(_between(0.1))
 
 
-def held_in(spec: SceneSpec, held: Configuration) -> Configuration:
+def hold_in_scene(spec: SceneSpec, held: Configuration) -> Configuration:
     """The same box in the hand in a scene with other neighbours."""
     poses = {**World(spec).initial_configuration().poses, "moved": held.poses["moved"]}
     return replace(held, poses=poses, x=None)
 
 
-def planned(
+def plan_placement(
     spec: SceneSpec, held: Configuration, k: Parameter = HERE, config: PlaceConfig | None = None
 ) -> tuple[Motion | Refusal, int]:
     """The motion, or why there is none, and the number of transfers planned."""
     world = World(spec)
     planner = Counting(world)
     skill = (config or PlaceConfig()).create(world, planner)
-    motion = skill.plan(held_in(spec, held), place("moved", "table"), k, np.random.default_rng(0))
+    motion = skill.plan(hold_in_scene(spec, held), place("moved", "table"), k, np.random.default_rng(0))
     return motion, planner.transfers
 
 
 @pytest.mark.parametrize(("gap", "clearance"), [(0.1, CLEARANCES[0]), (0.023, CLEARANCES[1]), (0.020, CLEARANCES[2])])
 def test_neighbours_make_the_hand_open_less(held: Configuration, gap: float, clearance: float) -> None:
-    motion, _ = planned(_between(gap), held)
+    motion, _ = plan_placement(_between(gap), held)
     assert not isinstance(motion, Refusal), motion
     commands = {segment.label: segment.gripper for segment in motion}
     assert commands["transfer"] == commands["lower"] == held.gripper
@@ -83,25 +83,25 @@ def test_neighbours_make_the_hand_open_less(held: Configuration, gap: float, cle
     assert commands["release"].width >= SIDE + 2 * clearance - 1e-4
     before_retreat = motion[:-1]
     duration = sum(segment.duration for segment in before_retreat)
-    assert obeyed_at(held.gripper, before_retreat) <= duration
+    assert obedience_time(held.gripper, before_retreat) <= duration
 
 
 def test_where_the_fingers_have_no_room_to_open_nothing_dear_is_planned(held: Configuration) -> None:
     """The closed fingers fit between the neighbours, but cannot let go there."""
     for spec, expected in ((_between(0.017), 0), (_between(0.1), 1)):
-        motion, transfers = planned(spec, held)
+        motion, transfers = plan_placement(spec, held)
         assert transfers == expected
         assert isinstance(motion, Refusal) == (expected == 0)
         if isinstance(motion, Refusal):
             assert motion.obstacle in {"left", "right"}
-    motion, _ = planned(_between(0.017), held, config=PlaceConfig(clearances=(0.0005,)))
+    motion, _ = plan_placement(_between(0.017), held, config=PlaceConfig(clearances=(0.0005,)))
     assert not isinstance(motion, Refusal)
 
 
 def test_a_placement_between_neighbours_touches_none_of_them() -> None:
     spec = _between(0.020)
     setup = rig(spec)
-    c = carried(spec)
+    c = carry_box(spec)
     attempt = setup.attempt(c, place("moved", "table"), k=HERE)
     assert attempt.failure is None, attempt.detail
     assert attempt.successor is not None
@@ -118,7 +118,7 @@ def test_a_placement_between_neighbours_touches_none_of_them() -> None:
 def test_the_next_pick_starts_from_the_opening_that_the_placement_left() -> None:
     spec = _between(0.020)
     setup = rig(spec)
-    c = carried(spec)
+    c = carry_box(spec)
     placed = setup.attempt(c, place("moved", "table"), k=HERE).successor
     assert placed is not None
     assert isinstance(placed.gripper, GripperCommand)

@@ -17,9 +17,9 @@ from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 from tests.skills.rig import KINEMATIC, pick, place, rig
-from tests.world.scenes import arranged, far_boxes, holding, pose, scene
+from tests.world.scenes import arrange, far_boxes, hold_box, pose, scene
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return untrained(tmp_path_factory.mktemp("checkpoints"))
+    return write_untrained(tmp_path_factory.mktemp("checkpoints"))
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def arm(world: World) -> ArmKinematics:
 
 
 def situations(world: World) -> list[tuple[Configuration, Action]]:
-    c, held = world.initial_configuration(), holding(world, "yellow_box")
+    c, held = world.initial_configuration(), hold_box(world, "yellow_box")
     return [
         (c, pick("cyan_box", "table")),
         (held, place("yellow_box", "rack")),
@@ -125,7 +125,7 @@ class Noted(PolicySampler):
 def test_candidates_are_drawn_when_those_before_are_refused(
     world: World, checkpoints: Path, candidates: int, draws: int, asked: list[int]
 ) -> None:
-    far, action = arranged(world, {"red_box": pose(2.0, 0.0, 0.059)}), pick("red_box", "table")
+    far, action = arrange(world, {"red_box": pose(2.0, 0.0, 0.059)}), pick("red_box", "table")
     skills = rig(world.spec, PolicyConfig(checkpoints, candidates, belief=0.0), draws).skills
     assert isinstance(skills.sampler, PolicySampler)
     noted = Noted(skills.sampler)

@@ -29,7 +29,7 @@ def test_physics_ends_where_the_skill_promises(spec: SceneSpec, actions: list[Ac
     promising = replace(setup.skills, promises=True)
     rng, c = np.random.default_rng(0), setup.start
     for action in actions:
-        state = setup.promised(c, action)
+        state = setup.promised_state(c, action)
         attempt = promising.attempt(c, action, state, rng)
         assert attempt.succeeded, attempt.detail
         assert "physics" not in attempt.seconds
@@ -58,7 +58,7 @@ def test_a_plan_made_of_promises_is_executed_from_what_physics_left() -> None:
     setup = rig(spec)
     promising = replace(setup.skills, promises=True)
     rng = np.random.default_rng(0)
-    lifted = setup.promised(setup.start, pick)
+    lifted = setup.promised_state(setup.start, pick)
     grasp = promising.attempt(setup.start, pick, lifted, rng)
     assert grasp.successor is not None
     placed = setup.domain.successor(lifted, place)
@@ -71,7 +71,7 @@ def test_a_plan_made_of_promises_is_executed_from_what_physics_left() -> None:
 def test_physics_can_say_no() -> None:
     spec, (pick, *_) = MUST_SUCCEED["table to rack and back"]
     setup = rig(spec)
-    state = setup.promised(setup.start, pick)
+    state = setup.promised_state(setup.start, pick)
     attempt = replace(setup.skills, promises=True).attempt(setup.start, pick, state, np.random.default_rng(0))
     moved = setup.start.poses["yellow_box"] + [0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0]
     elsewhere = Configuration(setup.start.q, {**setup.start.poses, "yellow_box": moved})

@@ -15,16 +15,16 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SupportSpec
 from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.skills.runner import SamplerConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.skills.rig import pick, place
-from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, holding, pose, scene
+from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
 
-SAMPLERS: dict[str, SamplerConfig] = {"uniform": UniformConfig(), "optimisation": OptimisationConfig()}
-CONFIG = OptimisationConfig()
+SAMPLERS: dict[str, SamplerConfig] = {"uniform": UniformConfig(), "optimisation": OptimizationConfig()}
+CONFIG = OptimizationConfig()
 FAR = SupportSpec("table", (5.0, 0.0, 0.0))
 
 
@@ -51,9 +51,9 @@ def arm(world: World) -> ArmKinematics:
 def situations(world: World) -> dict[str, tuple[Configuration, Action]]:
     """What a sampler is asked: picks from everywhere, places on everything."""
     c = world.initial_configuration()
-    tipped = arranged(world, {"red_box": pose(0.5, -0.1, 0.025, roll=90.0, yaw=25.0)})
-    on_rack = arranged(world, {"blue_box": pose(0.44, -0.33, RACK_TOP + 0.053, yaw=10.0)})
-    held, held_tipped = holding(world, "yellow_box"), holding(world, "yellow_box", 90.0)
+    tipped = arrange(world, {"red_box": pose(0.5, -0.1, 0.025, roll=90.0, yaw=25.0)})
+    on_rack = arrange(world, {"blue_box": pose(0.44, -0.33, RACK_TOP + 0.053, yaw=10.0)})
+    held, held_tipped = hold_box(world, "yellow_box"), hold_box(world, "yellow_box", 90.0)
     return {
         "pick from the table": (c, pick("cyan_box", "table")),
         "pick what is tipped": (tipped, pick("red_box", "table")),
@@ -140,7 +140,7 @@ def pose_of_hand(world: World, arm: ArmKinematics, c: Configuration, action: Act
 
 
 @pytest.mark.parametrize("situation", SITUATIONS)
-def test_optimised_k_can_be_reached(
+def test_optimized_k_can_be_reached(
     world: World, arm: ArmKinematics, sampler: Sampler[Configuration], situation: str
 ) -> None:
     c, action = situations(world)[situation]
@@ -154,9 +154,9 @@ def test_optimised_k_can_be_reached(
 
 
 @pytest.mark.parametrize("situation", [s for s in SITUATIONS if s.startswith("pick")])
-def test_optimised_grasps_are_within_bounds(world: World, sampler: Sampler[Configuration], situation: str) -> None:
+def test_optimized_grasps_are_within_bounds(world: World, sampler: Sampler[Configuration], situation: str) -> None:
     c, action = situations(world)[situation]
-    size = world.upright(c, action.args[0]).size
+    size = world.upright_frame(c, action.args[0]).size
     sides = set()
     for k in (k for k in draws(sampler, c, action, 8) if not isinstance(k, Failure)):
         quarter = round(k[3] / (np.pi / 2))
@@ -174,10 +174,10 @@ def test_optimised_grasps_are_within_bounds(world: World, sampler: Sampler[Confi
 
 
 @pytest.mark.parametrize("situation", [s for s in SITUATIONS if s.startswith("place")])
-def test_optimised_placements_are_within_bounds(world: World, sampler: Sampler[Configuration], situation: str) -> None:
+def test_optimized_placements_are_within_bounds(world: World, sampler: Sampler[Configuration], situation: str) -> None:
     c, action = situations(world)[situation]
     box, receptacle = action.args
-    radius = np.linalg.norm(world.upright(c, box).size[:2]) / 2
+    radius = np.linalg.norm(world.upright_frame(c, box).size[:2]) / 2
     on_box = receptacle in SIZES
     bound = np.full(2, CONFIG.overhang) if on_box else world.top_size(c, receptacle) / 2 - radius
     for k in (k for k in draws(sampler, c, action, 8) if not isinstance(k, Failure)):
@@ -203,21 +203,21 @@ def test_optimised_placements_are_within_bounds(world: World, sampler: Sampler[C
 def test_there_is_no_k_for_an_impossible_place(
     world: World, sampler: Sampler[Configuration], what: str, action: Action
 ) -> None:
-    c = holding(world, "yellow_box")
-    far = arranged(world, {**c.poses, "red_box": pose(2.0, 0.0, 0.059)}, "yellow_box")
+    c = hold_box(world, "yellow_box")
+    far = arrange(world, {**c.poses, "red_box": pose(2.0, 0.0, 0.059)}, "yellow_box")
     assert next(sampler.draws(far, action, np.random.default_rng(0))) is Failure.NO_INVERSE_KINEMATICS, what
 
 
 def test_there_is_no_k_for_a_box_out_of_reach(world: World, sampler: Sampler[Configuration]) -> None:
-    far = arranged(world, {"red_box": pose(2.0, 0.0, 0.059)})
+    far = arrange(world, {"red_box": pose(2.0, 0.0, 0.059)})
     assert next(sampler.draws(far, pick("red_box", "table"), np.random.default_rng(0))) is Failure.NO_INVERSE_KINEMATICS
 
 
 def test_there_is_no_k_where_no_room_is_left(world: World, arm: ArmKinematics) -> None:
     """The rack is full: a box stands in its middle and the rest is narrower than the held box needs."""
-    c = holding(world, "yellow_box")
+    c = hold_box(world, "yellow_box")
     crowd = {"cyan_box": (0.38, -0.33), "red_box": (0.5, -0.33), "blue_box": (0.44, -0.33)}
     poses = {name: pose(x, y, RACK_TOP + SIZES[name][2] / 2) for name, (x, y) in crowd.items()}
-    full = arranged(world, {**c.poses, **poses}, "yellow_box")
+    full = arrange(world, {**c.poses, **poses}, "yellow_box")
     greedy = dataclasses.replace(CONFIG, clearance=0.1).create(world, arm)
     assert next(greedy.draws(full, place("yellow_box", "rack"), np.random.default_rng(0))) is Failure.GOAL_IN_COLLISION

@@ -15,29 +15,29 @@ from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.base import TIP
-from ictamp_drake.skills.optimisation import OptimisationConfig
+from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.runner import SamplerConfig, SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
 from tests.skills.rig import KINEMATIC, Rig, pick, place, rig
-from tests.world.scenes import RACK_TOP, box, scene, standing
+from tests.world.scenes import RACK_TOP, box, build_tower, scene
 
 LABELS = {"pick": ["approach", "lower", "grasp", "lift"], "place": ["transfer", "lower", "release", "retreat"]}
 
-ON_THE_TABLE = scene({**standing("yellow_box", yaws=(30.0,)), **standing("cyan_box", y=0.3)})
-TOWER = scene(standing("cyan_box", "yellow_box", "red_box", "blue_box", yaws=(10.0, 50.0, -20.0, 80.0)))
+ON_THE_TABLE = scene({**build_tower("yellow_box", yaws=(30.0,)), **build_tower("cyan_box", y=0.3)})
+TOWER = scene(build_tower("cyan_box", "yellow_box", "red_box", "blue_box", yaws=(10.0, 50.0, -20.0, 80.0)))
 TOWER_ON_RACK = scene(
     {
-        **standing("cyan_box", "yellow_box", "red_box", x=0.44, y=-0.33, floor=RACK_TOP),
-        **standing("blue_box", x=0.5, y=0.2),
+        **build_tower("cyan_box", "yellow_box", "red_box", x=0.44, y=-0.33, floor=RACK_TOP),
+        **build_tower("blue_box", x=0.5, y=0.2),
     }
 )
-TIPPED = scene({"red_box": box("red_box", (0.5, 0.1, 0.025), (90.0, 0.0, 30.0)), **standing("cyan_box", y=0.3)})
+TIPPED = scene({"red_box": box("red_box", (0.5, 0.1, 0.025), (90.0, 0.0, 30.0)), **build_tower("cyan_box", y=0.3)})
 
 
 def behind(x: float, y: float) -> SceneSpec:
-    return scene(standing("yellow_box", x=x, y=y, yaws=(20.0,)))
+    return scene(build_tower("yellow_box", x=x, y=y, yaws=(20.0,)))
 
 
 MUST_SUCCEED = {
@@ -108,7 +108,7 @@ def test_skills_succeed(case: str) -> None:
         check_attempt(attempt, action)
         check_motion(c, attempt.motion)
         assert attempt.successor is not None
-        assert setup.abstraction(attempt.successor) == setup.promised(c, action)
+        assert setup.abstraction(attempt.successor) == setup.promised_state(c, action)
         c = attempt.successor
 
 
@@ -133,10 +133,10 @@ def test_the_hand_comes_from_above_and_leaves_upwards() -> None:
         assert np.all(np.diff(heights[down]) < 1e-6)
         assert np.all(np.diff(heights[up]) > -1e-6)
         if action.name == "pick":
-            top = setup.world.upright(c, "yellow_box").X_WT.translation()[2]
+            top = setup.world.upright_frame(c, "yellow_box").X_WT.translation()[2]
             assert heights[down][0] - TIP > top
         else:
-            top = setup.world.upright(attempt.successor, "yellow_box").X_WT.translation()[2]
+            top = setup.world.upright_frame(attempt.successor, "yellow_box").X_WT.translation()[2]
             assert heights[up][-1] - TIP > top
         c = attempt.successor
 
@@ -172,17 +172,17 @@ def _wall(x: float, y: float, size: tuple[float, float, float]) -> BoxSpec:
 
 WALLED_IN = scene(
     {
-        **standing("yellow_box"),
+        **build_tower("yellow_box"),
         "left": _wall(0.5, 0.15, (0.14, 0.02, 0.2)),
         "right": _wall(0.5, 0.05, (0.14, 0.02, 0.2)),
         "front": _wall(0.55, 0.1, (0.02, 0.078, 0.2)),
         "back": _wall(0.45, 0.1, (0.02, 0.078, 0.2)),
     }
 )
-FAR = scene(standing("yellow_box", x=0.85, y=0.3))
+FAR = scene(build_tower("yellow_box", x=0.85, y=0.3))
 
 
-def refused(spec: SceneSpec, action: Action, sampler: SamplerConfig) -> Attempt[Configuration]:
+def assert_refused(spec: SceneSpec, action: Action, sampler: SamplerConfig) -> Attempt[Configuration]:
     setup = rig(spec, sampler)
     attempt = setup.attempt(setup.start, action)
     assert attempt.failure in KINEMATIC
@@ -194,7 +194,7 @@ def refused(spec: SceneSpec, action: Action, sampler: SamplerConfig) -> Attempt[
 
 
 def test_a_box_out_of_reach_is_refused_by_inverse_kinematics() -> None:
-    attempt = refused(FAR, pick("yellow_box", "table"), UniformConfig())
+    attempt = assert_refused(FAR, pick("yellow_box", "table"), UniformConfig())
     assert len(attempt.rejections) == SkillsConfig().draws - 1
     assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
     assert set(attempt.rejections) == {Failure.NO_INVERSE_KINEMATICS}
@@ -203,7 +203,7 @@ def test_a_box_out_of_reach_is_refused_by_inverse_kinematics() -> None:
 
 
 def test_a_walled_in_box_is_refused_and_the_wall_named() -> None:
-    attempt = refused(WALLED_IN, pick("yellow_box", "table"), UniformConfig())
+    attempt = assert_refused(WALLED_IN, pick("yellow_box", "table"), UniformConfig())
     assert attempt.failure in (Failure.GOAL_IN_COLLISION, Failure.NO_PATH)
     assert any(wall in attempt.detail for wall in ("left", "right", "front", "back")), attempt.detail
     assert {"left", "right", "front", "back"} & {*attempt.obstacles}
@@ -222,7 +222,7 @@ def test_a_given_k_is_the_only_one_that_is_tried() -> None:
     ("spec", "cause"), [(FAR, Failure.NO_INVERSE_KINEMATICS), (WALLED_IN, Failure.GOAL_IN_COLLISION)]
 )
 def test_a_sampler_that_finds_nothing_says_why_and_is_not_asked_again(spec: SceneSpec, cause: Failure) -> None:
-    attempt = refused(spec, pick("yellow_box", "table"), OptimisationConfig(restarts=4))
+    attempt = assert_refused(spec, pick("yellow_box", "table"), OptimizationConfig(restarts=4))
     assert attempt.failure is cause
     assert attempt.k is None
     assert attempt.rejections == ()
@@ -240,7 +240,7 @@ class Fruitless:
 
 
 def test_a_sampler_that_yields_nothing_has_found_nothing() -> None:
-    attempt = refused(FAR, pick("yellow_box", "table"), Fruitless())
+    attempt = assert_refused(FAR, pick("yellow_box", "table"), Fruitless())
     assert attempt.failure is Failure.NO_INVERSE_KINEMATICS
     assert attempt.detail == "the sampler found no parameter"
     assert attempt.k is None
@@ -265,24 +265,24 @@ def carrying() -> tuple[Rig, Configuration]:
     return setup, attempt.successor
 
 
-def _placed(
+def _place_box(
     carrying: tuple[Rig, Configuration], receptacle: str, k: tuple[float, float, float, float]
 ) -> Failure | None:
     setup, c = carrying
     action = place("yellow_box", receptacle)
-    attempt = setup.skills.attempt(c, action, setup.promised(c, action), np.random.default_rng(0), np.array(k))
+    attempt = setup.skills.attempt(c, action, setup.promised_state(c, action), np.random.default_rng(0), np.array(k))
     assert attempt.failure is None or attempt.detail
     return attempt.failure
 
 
 def test_a_box_put_down_on_an_edge_does_not_pass(carrying: tuple[Rig, Configuration]) -> None:
-    assert _placed(carrying, "cyan_box", (0.0, 0.0, 0.002, 0.0)) is None
-    assert _placed(carrying, "cyan_box", (0.04, 0.0, 0.002, 0.0)) in (Failure.WRONG_STATE, Failure.TOPPLED)
+    assert _place_box(carrying, "cyan_box", (0.0, 0.0, 0.002, 0.0)) is None
+    assert _place_box(carrying, "cyan_box", (0.04, 0.0, 0.002, 0.0)) in (Failure.WRONG_STATE, Failure.TOPPLED)
 
 
 def test_a_box_dropped_from_high_up_or_beside_does_not_pass(carrying: tuple[Rig, Configuration]) -> None:
-    assert _placed(carrying, "rack", (0.0, 0.0, 0.002, 0.3)) is None
-    assert _placed(carrying, "rack", (0.0, 0.3, 0.002, 0.3)) is not None
+    assert _place_box(carrying, "rack", (0.0, 0.0, 0.002, 0.3)) is None
+    assert _place_box(carrying, "rack", (0.0, 0.3, 0.002, 0.3)) is not None
 
 
 def test_fingers_that_close_beside_the_box_grasp_nothing() -> None:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
-from ictamp_drake.symbolic.continuation import continued
+from ictamp_drake.symbolic.continuation import continue_plan
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.symbolic.towers import LEVELS, Problem, problems
 
@@ -13,7 +13,7 @@ from tests.symbolic.towers import LEVELS, Problem, problems
 @given(problems(), st.data())
 def test_a_plan_begins_with_the_action_and_goes_on_to_the_goal(problem: Problem, data: st.DataObject) -> None:
     action, promised = data.draw(st.sampled_from(problem.domain.successors(problem.initial)))
-    plan = continued(problem.domain, problem.initial, action, problem.goal)
+    plan = continue_plan(problem.domain, problem.initial, action, problem.goal)
     assert plan.actions[0] == action
     assert plan.states[:2] == (problem.initial, promised)
     for before, step, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
@@ -26,14 +26,14 @@ def test_the_first_action_of_a_shortest_plan_makes_no_plan_longer(name: str) -> 
     problem = LEVELS[name]
     shortest = BreadthFirst().create(problem.domain, problem.initial, problem.goal).next_plan(1000)
     assert shortest is not None
-    plan = continued(problem.domain, problem.initial, shortest.actions[0], problem.goal)
+    plan = continue_plan(problem.domain, problem.initial, shortest.actions[0], problem.goal)
     assert len(plan) == len(shortest)
 
 
 def test_without_a_plan_within_the_limit_the_action_stands_alone() -> None:
     problem = LEVELS["hard"]
     action, promised = problem.domain.successors(problem.initial)[0]
-    plan = continued(problem.domain, problem.initial, action, problem.goal, max_expansions=5)
+    plan = continue_plan(problem.domain, problem.initial, action, problem.goal, max_expansions=5)
     assert plan.actions == (action,)
     assert plan.states == (problem.initial, promised)
 
@@ -41,4 +41,4 @@ def test_without_a_plan_within_the_limit_the_action_stands_alone() -> None:
 def test_an_action_that_does_not_apply_is_refused() -> None:
     problem = LEVELS["easy"]
     with pytest.raises(ValueError, match="not applicable"):
-        continued(problem.domain, problem.initial, Action("place", ("red", "rack")), problem.goal)
+        continue_plan(problem.domain, problem.initial, Action("place", ("red", "rack")), problem.goal)

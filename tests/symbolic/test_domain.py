@@ -63,7 +63,7 @@ def test_an_action_waits_until_what_is_in_its_way_was_moved() -> None:
     initial = state([("table", "cyan"), ("table", "red")])
     pick_cyan, pick_red = Action("pick", ("cyan", "table")), Action("pick", ("red", "table"))
     domain = Domain.create(BOXES, SUPPORTS, initial)
-    minding = domain.minding({Obstruction(pick_cyan, "red")})
+    minding = domain.with_obstructions({Obstruction(pick_cyan, "red")})
     assert applicable(minding, initial) == [pick_red]
     picked = minding.successor(initial, pick_red)
     assert picked == domain.successor(initial, pick_red)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.symbolic.expressions import MAX_CHARACTERS, MAX_DEPTH, Expression, Group, read, shown
+from ictamp_drake.symbolic.expressions import MAX_CHARACTERS, MAX_DEPTH, Expression, Group, quote_expression, read
 
 words = st.text(alphabet="abc?:-=_019", min_size=1, max_size=5)
 groups = st.recursive(
@@ -22,11 +22,11 @@ def test_what_is_written_is_read_back(group: Group) -> None:
 
 @given(groups, st.lists(st.sampled_from([" ", "\n", "\t", "; a comment\n"]), min_size=1, max_size=3).map("".join))
 def test_spaces_lines_and_comments_make_no_difference(group: Group, space: str) -> None:
-    def without_lines(expression: Expression) -> object:
-        return expression if isinstance(expression, str) else [without_lines(item) for item in expression.items]
+    def strip_lines(expression: Expression) -> object:
+        return expression if isinstance(expression, str) else [strip_lines(item) for item in expression.items]
 
     spaced = str(group).replace(" ", space).replace("(", f"{space}({space}").replace(")", f"{space})")
-    assert without_lines(read(f"{spaced}{space}")) == without_lines(group)
+    assert strip_lines(read(f"{spaced}{space}")) == strip_lines(group)
 
 
 def test_a_group_knows_its_line() -> None:
@@ -59,6 +59,6 @@ def test_the_deepest_nesting_is_read() -> None:
 
 
 def test_a_message_quotes_no_more_than_a_line() -> None:
-    assert shown(read("(a\n (b c))")) == "(a (b c))"
-    assert len(shown(read(f"({' a' * 1000})"))) <= 80
-    assert len(shown("a" * 1000)) <= 80
+    assert quote_expression(read("(a\n (b c))")) == "(a (b c))"
+    assert len(quote_expression(read(f"({' a' * 1000})"))) <= 80
+    assert len(quote_expression("a" * 1000)) <= 80

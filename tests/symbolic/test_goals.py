@@ -5,7 +5,7 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
-from tests.symbolic.towers import standing, state
+from tests.symbolic.towers import state, tower_goal
 
 BOXES, SUPPORTS = ("cyan", "red", "blue"), ("rack", "table")
 FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...), with lying for on if BOX is tipped."
@@ -17,7 +17,7 @@ def test_one_atom_is_a_goal() -> None:
 
 def test_a_conjunction_may_be_spread_over_lines() -> None:
     text = "(and (on cyan rack) ; the lowest\n     ( on red cyan )\n(on blue red))"
-    assert parse_goal(text, BOXES, SUPPORTS) == standing(("rack", "cyan", "red", "blue"))
+    assert parse_goal(text, BOXES, SUPPORTS) == tower_goal(("rack", "cyan", "red", "blue"))
 
 
 def test_several_boxes_may_go_to_one_support() -> None:
@@ -76,16 +76,16 @@ def test_a_wrong_goal_gets_a_sentence(text: str, sentence: str) -> None:
 def test_a_goal_that_holds_already_is_refused() -> None:
     initial = state([("table", "cyan", "red"), ("rack", "blue")])
     with pytest.raises(IctampError) as caught:
-        check_goal(standing(("table", "cyan", "red")), initial)
+        check_goal(tower_goal(("table", "cyan", "red")), initial)
     holds = "(on cyan table) (on red cyan) already holds in the initial state"
     assert str(caught.value) == f"goal: {holds}, there is nothing to plan."
-    check_goal(standing(("rack", "cyan", "red")), initial)
+    check_goal(tower_goal(("rack", "cyan", "red")), initial)
 
 
 def test_a_tipped_box_cannot_stand_but_can_carry() -> None:
     initial = state([("table", "cyan"), ("table", "red")], tipped=("red",))
     with pytest.raises(IctampError) as caught:
-        check_goal(standing(("rack", "cyan", "red")), initial)
+        check_goal(tower_goal(("rack", "cyan", "red")), initial)
     why = "red is tipped over in the initial state and no skill stands a box up"
     assert str(caught.value) == f"goal: (on red cyan) cannot be reached, {why}."
     check_goal(frozenset({Atom("on", ("cyan", "red"))}), initial)

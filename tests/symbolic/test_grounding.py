@@ -66,7 +66,7 @@ def agree(text: str, objects: Mapping[str, str], initial: State, limit: int = 60
     while frontier and len(seen) < limit:
         other = frontier.pop()
         s, after = simulator.atoms(other), simulator.successors(other)
-        ours = {each.action: each.applied(s) for each in actions if each.applies(s)}
+        ours = {each.action: each.apply(s) for each in actions if each.applies(s)}
         assert ours == {action: simulator.atoms(each) for action, each in after.items()}
         frontier += [each for action, each in after.items() if ours[action] not in seen]
         seen.update(ours.values())
@@ -136,7 +136,7 @@ def test_what_is_added_and_deleted_at_once_holds() -> None:
     text = "(define (domain d) (:predicates (p) (q)) (:action a :effect (and (p) (not (p)) (when (q) (not (p))))))"
     (action,) = ground(read_domain(text, "d.pddl"), {}, frozenset())
     for before in (frozenset[Atom](), frozenset({Atom("p", ()), Atom("q", ())})):
-        assert Atom("p", ()) in action.applied(before)
+        assert Atom("p", ()) in action.apply(before)
 
 
 def test_an_action_that_contradicts_itself_is_left_out() -> None:
@@ -197,10 +197,10 @@ def test_random_conditions_mean_what_they_mean_elsewhere(condition: str, when: s
         :effect (and (p ?x) (not (q ?x ?y))))
       (:action partly :parameters (?x - half ?y - half)
         :effect (and (r ?y) (forall (?w - half) (when {when} (q ?w ?x))))))"""
-    agree(text, dict.fromkeys(NAMES[:2], "half") | {"c": "other"}, _of_half(initial), limit=12)
+    agree(text, dict.fromkeys(NAMES[:2], "half") | {"c": "other"}, _take_half(initial), limit=12)
 
 
-def _of_half(initial: State) -> State:
+def _take_half(initial: State) -> State:
     return frozenset(atom for atom in initial if "c" not in atom.args)
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount
-from tests.symbolic.towers import LEVELS, Problem, in_the_way, problems, standing, state
+from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, state, tower_goal
 
 
 def distances(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, float]:
@@ -32,33 +32,37 @@ def distances(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[Sta
 def test_the_move_count_never_exceeds_the_distance_and_falls_by_one_at_most(problem: Problem) -> None:
     domain, guide = problem.domain, MoveCount(problem.domain, problem.goal, weight=1)
     for s, distance in distances(domain, problem.initial, problem.goal).items():
-        assert guide.remaining(s) <= distance
-        assert guide.remaining(s) > 0 or problem.goal <= s
-        assert all(guide.remaining(after) >= guide.remaining(s) - 1 for _, after in domain.successors(s))
+        assert guide.estimate_distance(s) <= distance
+        assert guide.estimate_distance(s) > 0 or problem.goal <= s
+        assert all(
+            guide.estimate_distance(after) >= guide.estimate_distance(s) - 1 for _, after in domain.successors(s)
+        )
 
 
 @given(data=st.data(), problem=problems(boxes=3))
 def test_so_it_is_with_boxes_in_the_way(data: st.DataObject, problem: Problem) -> None:
-    obstructions = data.draw(in_the_way(problem))
-    domain, goal = problem.domain.minding(obstructions), problem.goal
+    obstructions = data.draw(draw_obstructions(problem))
+    domain, goal = problem.domain.with_obstructions(obstructions), problem.goal
     guide = MoveCount(domain, goal, weight=1, obstructions=obstructions)
     for s, distance in distances(domain, problem.initial, goal).items():
-        assert guide.remaining(s) <= distance
-        assert all(guide.remaining(after) >= guide.remaining(s) - 1 for _, after in domain.successors(s))
+        assert guide.estimate_distance(s) <= distance
+        assert all(
+            guide.estimate_distance(after) >= guide.estimate_distance(s) - 1 for _, after in domain.successors(s)
+        )
 
 
 @pytest.mark.parametrize(("name", "actions"), [("easy", 6), ("medium", 10), ("hard", 14)])
 def test_the_move_count_is_exact_for_a_tower_rebuilt_in_the_same_order(name: str, actions: int) -> None:
     problem = LEVELS[name]
-    assert MoveCount(problem.domain, problem.goal, weight=1).remaining(problem.initial) == actions
-    assert MoveCount(problem.domain, problem.goal, weight=2).remaining(problem.initial) == 2 * actions
+    assert MoveCount(problem.domain, problem.goal, weight=1).estimate_distance(problem.initial) == actions
+    assert MoveCount(problem.domain, problem.goal, weight=2).estimate_distance(problem.initial) == 2 * actions
 
 
 def test_the_move_count_sees_who_is_in_the_way() -> None:
     """red stands where yellow shall stand, and blue on red."""
     initial = state([("table", "cyan", "red", "blue"), ("table", "yellow")])
-    problem = Problem(("blue", "cyan", "red", "yellow"), ("table",), initial, standing(("table", "cyan", "yellow")))
-    assert MoveCount(problem.domain, problem.goal, weight=1).remaining(initial) == 6
+    problem = Problem(("blue", "cyan", "red", "yellow"), ("table",), initial, tower_goal(("table", "cyan", "yellow")))
+    assert MoveCount(problem.domain, problem.goal, weight=1).estimate_distance(initial) == 6
 
 
 @given(problems(boxes=3))
@@ -69,10 +73,10 @@ def test_breadth_first_distances_are_exact_up_to_the_horizon(problem: Problem) -
     while guide.horizon < math.inf:
         for s in depth:
             if depth[s] + exact[s] <= guide.horizon:
-                assert guide.remaining(s) == exact[s]
-            assert guide.remaining(s) >= exact[s]
+                assert guide.estimate_distance(s) == exact[s]
+            assert guide.estimate_distance(s) >= exact[s]
         guide.grow()
-    assert all(guide.remaining(s) == exact[s] for s in depth)
+    assert all(guide.estimate_distance(s) == exact[s] for s in depth)
 
 
 def _depths(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, int]:

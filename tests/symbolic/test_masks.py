@@ -20,10 +20,10 @@ def check(domain: Domain, goal: frozenset[Atom], initial: State, limit: int = 20
     while frontier and len(seen) < limit:
         state = frontier.pop()
         after = [successor for _, successor in domain.successors(state)]
-        assert list(masks.successors(masks.of(state))) == [masks.of(successor) for successor in after]
+        assert list(masks.successors(masks.encode(state))) == [masks.encode(successor) for successor in after]
         frontier += [successor for successor in after if successor not in seen]
         seen.update(after)
-    assert len({masks.of(state) for state in seen}) == len(seen)
+    assert len({masks.encode(state) for state in seen}) == len(seen)
     return seen
 
 
@@ -56,5 +56,5 @@ def test_so_it_is_with_conditions_of_every_sort() -> None:
 
 def test_a_goal_that_no_action_speaks_of_has_bits_too() -> None:
     masks = Masks(Domain((), (), ()), frozenset({P}))
-    assert masks.of(frozenset({P})) != masks.of(NOTHING)
-    assert masks.of(frozenset({Q})) == masks.of(NOTHING)
+    assert masks.encode(frozenset({P})) != masks.encode(NOTHING)
+    assert masks.encode(frozenset({Q})) == masks.encode(NOTHING)

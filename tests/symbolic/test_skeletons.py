@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
-from ictamp_drake.symbolic.atoms import ON, beneath, supporters
+from ictamp_drake.symbolic.atoms import ON, objects_beneath, supporters
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
-from tests.runs.programs import printed
-from tests.symbolic.towers import LEVELS, Problem, in_the_way, problems, standing, state
+from tests.runs.programs import run_code
+from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, state, tower_goal
 
 Config = BreadthFirst | BestFirst
 CONFIGS = {
@@ -116,14 +116,14 @@ def test_a_stream_ends_after_all_plans(config: Config, problem: Problem) -> None
 def test_a_goal_out_of_reach_exhausts_the_stream(config: Config) -> None:
     """A tipped box never stands."""
     initial = state([("table", "cyan"), ("table", "red")], tipped=("red",))
-    problem = Problem(("cyan", "red"), ("table",), initial, standing(("table", "cyan", "red")))
+    problem = Problem(("cyan", "red"), ("table",), initial, tower_goal(("table", "cyan", "red")))
     assert list(stream(create(config, problem))) == []
 
 
 @each_config
 def test_a_goal_that_holds_is_one_plan_without_actions(config: Config) -> None:
     initial = state([("table", "cyan")])
-    generator = create(config, Problem(("cyan",), ("table",), initial, standing(("table", "cyan"))))
+    generator = create(config, Problem(("cyan",), ("table",), initial, tower_goal(("table", "cyan"))))
     assert list(stream(generator)) == [Skeleton((initial,), ())]
 
 
@@ -161,7 +161,7 @@ SORTING = Problem(
     tuple("abcdefgh"),
     ("east", "north", "south", "west"),
     state([("east", "a", "b"), ("north", "c", "d"), ("south", "e", "f"), ("west", "g", "h")]),
-    standing(("north", "a", "c", "e", "g")) | standing(("south", "h", "f", "d", "b")),
+    tower_goal(("north", "a", "c", "e", "g")) | tower_goal(("south", "h", "f", "d", "b")),
 )
 """Eight boxes on four supports, to be sorted into two towers."""
 
@@ -184,7 +184,7 @@ def test_breadth_first_search_that_loses_patience_sorts_eight_boxes_in_the_fewes
 @each_config
 @given(data=st.data(), problem=problems(boxes=4))
 def test_plans_around_obstructions_move_them_first(config: Config, data: st.DataObject, problem: Problem) -> None:
-    obstructions = data.draw(in_the_way(problem))
+    obstructions = data.draw(draw_obstructions(problem))
     plan = create(config, problem).next_plan(500, obstructions)
     if plan is not None:
         assert plan.states[0] == problem.initial
@@ -194,7 +194,7 @@ def test_plans_around_obstructions_move_them_first(config: Config, data: st.Data
     for action, box in obstructions if plan is not None else ():
         first = plan.actions.index(action) if action in plan.actions else 0
         lifted = any(name == "pick" and moved == box for name, (moved, _) in plan.actions[:first])
-        above = action.name == "pick" and box in beneath(action.args[0], supporters(problem.initial))
+        above = action.name == "pick" and box in objects_beneath(action.args[0], supporters(problem.initial))
         assert lifted or above or box in problem.supports or action not in plan.actions
 
 
@@ -202,14 +202,17 @@ def test_plans_around_obstructions_move_them_first(config: Config, data: st.Data
 @settings(max_examples=30)
 @given(data=st.data(), problem=problems(boxes=3))
 def test_no_plan_is_given_twice_whatever_is_in_the_way(config: Config, data: st.DataObject, problem: Problem) -> None:
-    generator, asked = create(config, problem), [data.draw(in_the_way(problem)), frozenset[Obstruction]()]
+    generator, asked = create(config, problem), [data.draw(draw_obstructions(problem)), frozenset[Obstruction]()]
     plans = [generator.next_plan(200, asked[call % 2]) for call in range(20)]
     found = [plan.actions for plan in plans if plan is not None]
     assert len(set(found)) == len(found)
 
 
 PARKED = Problem(
-    ("low", "tall", "top"), ("table",), state([("table", "tall", "top"), ("table", "low")]), standing(("table", "low"))
+    ("low", "tall", "top"),
+    ("table",),
+    state([("table", "tall", "top"), ("table", "low")]),
+    tower_goal(("table", "low")),
 )
 PICK_LOW = Action("pick", ("low", "table"))
 
@@ -296,6 +299,6 @@ for config in CONFIGS.values():
 
 
 def test_the_stream_does_not_depend_on_the_hash_seed() -> None:
-    outputs = [printed(PROGRAM, hash_seed) for hash_seed in (1, 2)]
+    outputs = [run_code(PROGRAM, hash_seed) for hash_seed in (1, 2)]
     assert outputs[0].count("\n") == 320
     assert outputs[0] == outputs[1]

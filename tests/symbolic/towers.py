@@ -46,13 +46,13 @@ def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
     return frozenset(atoms)
 
 
-def standing(tower: Tower, tipped: Collection[str] = ()) -> frozenset[Atom]:
+def tower_goal(tower: Tower, tipped: Collection[str] = ()) -> frozenset[Atom]:
     """The goal that the tower stands, its tipped boxes lying."""
     return frozenset(Atom(LYING if box in tipped else ON, (box, below)) for below, box in pairwise(tower))
 
 
 def level(*towers: Tower, goal: Tower) -> Problem:
-    return Problem(("blue", "cyan", "red", "yellow"), ("rack", "table"), state(towers), standing(goal))
+    return Problem(("blue", "cyan", "red", "yellow"), ("rack", "table"), state(towers), tower_goal(goal))
 
 
 LEVELS = {
@@ -80,12 +80,12 @@ def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2) -> Problem:
     support_names = tuple(f"table_{i}" for i in range(draw(st.integers(1, supports))))
     tipped = draw(st.sets(st.sampled_from(box_names)))
     towers = draw(arrangements(box_names, support_names))
-    final = frozenset[Atom]().union(*(standing(tower, tipped) for tower in towers))
+    final = frozenset[Atom]().union(*(tower_goal(tower, tipped) for tower in towers))
     goal = frozenset(draw(st.sets(st.sampled_from(sorted(final)), min_size=1)))
     return Problem(box_names, support_names, state(draw(arrangements(box_names, support_names)), sorted(tipped)), goal)
 
 
-def in_the_way(problem: Problem) -> st.SearchStrategy[frozenset[Obstruction]]:
+def draw_obstructions(problem: Problem) -> st.SearchStrategy[frozenset[Obstruction]]:
     """One or two things in the way of actions of the problem, the impossible ones among them."""
     actions = [ground.action for ground in problem.domain.actions]
     things = [*problem.boxes, *problem.supports]

@@ -21,7 +21,7 @@ from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.skills.policy import PolicyConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.symbolic.skeletons import BestFirst
-from ictamp_drake.tamp.method import Estimators, Generators, Method, Planners, Samplers, choices, chosen
+from ictamp_drake.tamp.method import Estimators, Generators, Method, Planners, Samplers, choices, choose_config
 from ictamp_drake.tamp.parts import Parts
 
 NOWHERE = Path("nowhere")
@@ -107,8 +107,8 @@ def test_only_constants_of_what_is_used_decide(method: Method, families: tuple[s
 )
 def test_each_choice_names_a_configuration(configs: object) -> None:
     names = choices(type(configs))
-    assert len(names) == len({id(chosen(configs, name)) for name in names})
-    assert all(hasattr(chosen(configs, name), "create") for name in names)
+    assert len(names) == len({id(choose_config(configs, name)) for name in names})
+    assert all(hasattr(choose_config(configs, name), "create") for name in names)
     assert not any("_" in name for name in names)
 
 
@@ -128,7 +128,7 @@ def test_names_can_be_written_both_ways() -> None:
 
 def test_the_chosen_planner_is_the_rule_of_the_search() -> None:
     rules = {name: Method(planner=name).parts.rule for name in choices(Planners)}
-    assert rules == {name: chosen(Planners(), name) for name in choices(Planners)}
+    assert rules == {name: choose_config(Planners(), name) for name in choices(Planners)}
 
 
 def test_a_method_names_the_parts_of_its_search() -> None:

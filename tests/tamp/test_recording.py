@@ -21,12 +21,12 @@ def solution(tmp_path_factory: pytest.TempPathFactory) -> Solution:
     return solve(load(path, method), method)
 
 
-def executed(solution: Solution) -> dict[int, Step[Configuration]]:
+def executed_steps(solution: Solution) -> dict[int, Step[Configuration]]:
     log = solution.result.tree.log
     return {n: step for n, step in enumerate(log) if isinstance(step, Step) and step.attempt.motion}
 
 
-def shown(c: Configuration | None) -> Configuration:
+def visible_part(c: Configuration | None) -> Configuration:
     """What can be seen of a configuration."""
     assert c is not None
     return Configuration(c.q, c.poses)
@@ -34,22 +34,22 @@ def shown(c: Configuration | None) -> Configuration:
 
 def test_a_recording_leads_from_node_to_child(solution: Solution) -> None:
     recordings = recorded_steps(solution.task.physics, solution.result.tree)
-    steps = executed(solution)
+    steps = executed_steps(solution)
     assert recordings.keys() == steps.keys()
     for number, frames in recordings.items():
-        assert frames[0].c == shown(solution.result.tree.nodes[steps[number].node].c)
+        assert frames[0].c == visible_part(solution.result.tree.nodes[steps[number].node].c)
         assert frames[0].time == 0
-        assert frames[-1].c == shown(steps[number].attempt.successor)
+        assert frames[-1].c == visible_part(steps[number].attempt.successor)
         assert np.all(np.diff([frame.time for frame in frames]) > 0)
 
 
 def test_a_step_executed_again_ends_in_the_same_configuration(solution: Solution) -> None:
-    for step in executed(solution).values():
+    for step in executed_steps(solution).values():
         c, attempt = solution.result.tree.nodes[step.node].c, step.attempt
         assert execute(solution.task.physics, c, attempt.action, attempt.motion).c == attempt.successor
 
 
 def test_successes_come_first_when_there_are_too_many_steps(solution: Solution) -> None:
-    successes = [number for number, step in executed(solution).items() if step.child is not None]
+    successes = [number for number, step in executed_steps(solution).items() if step.child is not None]
     recordings = recorded_steps(solution.task.physics, solution.result.tree, limit=1)
     assert list(recordings) == successes[:1]

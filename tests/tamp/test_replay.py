@@ -64,7 +64,7 @@ def end(attempt: Attempt[Configuration]) -> Configuration:
     return attempt.successor
 
 
-def ended(spec: SceneSpec, c: Configuration, motion: Motion) -> Configuration:
+def execute_motion(spec: SceneSpec, c: Configuration, motion: Motion) -> Configuration:
     """Where a motion ends that a simulator of this process executes."""
     return METHOD.physics.create(World(spec)).run(c, motion, record=False).c
 
@@ -94,7 +94,7 @@ def test_skills_end_the_same_in_other_simulators_and_another_process(
     task, attempts = found(solution)
     c = task.c
     for attempt in attempts:
-        c = elsewhere.submit(ended, task.spec, c, attempt.motion).result()
+        c = elsewhere.submit(execute_motion, task.spec, c, attempt.motion).result()
         assert c == end(attempt)
 
 

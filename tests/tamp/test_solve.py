@@ -25,7 +25,7 @@ from ictamp_drake.tamp.solve import Solution, solve, verifier
 from ictamp_drake.tamp.task import load
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics, PhysicsConfig
-from tests.learning.synthetic import untrained
+from tests.learning.synthetic import write_untrained
 from tests.runs.programs import SCENE
 
 
@@ -138,15 +138,17 @@ def test_a_plan_that_does_not_hold_when_it_is_executed_again_is_not_solved(scene
     assert solve(load(scene, replace(method, verify="none")), replace(method, verify="none")).result.solved
 
 
-def stopped(scene: Path, method: Method, after: int) -> Solution:
+def solve_and_stop(scene: Path, method: Method, after: int) -> Solution:
     """The search, stopped from outside after some steps."""
     events: list[object] = []
     task = load(scene, method)
-    return solve(task, method, listeners=[events.append], stop=lambda: sum(isinstance(e, StepDone) for e in events) >= after)
+    return solve(
+        task, method, listeners=[events.append], stop=lambda: sum(isinstance(e, StepDone) for e in events) >= after
+    )
 
 
 def test_a_stopped_search_keeps_what_was_found(scene: Path) -> None:
-    solution = stopped(scene, Method(time_limit=250), after=1)
+    solution = solve_and_stop(scene, Method(time_limit=250), after=1)
     assert solution.result.stop_reason is StopReason.STOPPED
     assert solution.execution_time_s is None
     record = record_of("scene", "", None, 0, solution)
@@ -211,7 +213,7 @@ def test_time_spent_before_the_search_counts(scene: Path) -> None:
 @pytest.mark.parametrize("estimator", ["p_score", "q_value"])
 def test_what_was_learned_takes_part_in_the_search(scene: Path, tmp_path: Path, estimator: str) -> None:
     """Networks that have learned nothing draw k and score the options all the same."""
-    folder = untrained(tmp_path)
+    folder = write_untrained(tmp_path)
     learned = Estimators(p_score=PScoreConfig(folder), q_value=QValueConfig(folder))
     samplers = Samplers(policy=PolicyConfig(folder, candidates=4))
     method = Method(

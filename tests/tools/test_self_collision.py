@@ -33,16 +33,16 @@ def test_pairs_that_touch_now_and_then_are_kept(found: dict[tuple[str, str], flo
 
 def test_open_and_closed_hand_at_home_touch_nothing(probe: Probe) -> None:
     for finger in (0.0, 0.02, 0.04):
-        assert not probe.touching(np.r_[HOME, finger, finger])
+        assert not probe.touching_pairs(np.r_[HOME, finger, finger])
 
 
 def test_configurations_around_home_touch_nothing(probe: Probe) -> None:
     rng = np.random.default_rng(2)
     for _ in range(200):
         q = HOME + rng.uniform(-0.4, 0.4, 7)
-        assert not probe.touching(np.r_[q, 0.03, 0.03])
+        assert not probe.touching_pairs(np.r_[q, 0.03, 0.03])
 
 
 def test_an_arm_folded_into_itself_touches(probe: Probe) -> None:
     folded = np.array([0.0, -1.7, 0.0, -3.05, 0.0, 0.5, 0.785])
-    assert probe.touching(np.r_[folded, 0.03, 0.03])
+    assert probe.touching_pairs(np.r_[folded, 0.03, 0.03])

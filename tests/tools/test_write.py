@@ -11,7 +11,7 @@ from tools.panda.write import FOLDER, contents
 CONTENTS = contents()
 
 
-def decoded(text: str) -> tuple[np.ndarray, np.ndarray, int]:
+def decode_gltf(text: str) -> tuple[np.ndarray, np.ndarray, int]:
     """Vertices and normals of a glTF file, shape (n, 3) each, and three times the number of its triangles."""
     document = json.loads(text)
     blob = base64.b64decode(document["buffers"][0]["uri"].split(",")[1])
@@ -31,8 +31,8 @@ def test_sdf_files_are_up_to_date(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in CONTENTS if name.endswith(".gltf")])
 def test_bodies_are_up_to_date(name: str) -> None:
-    vertices, normals, corners = decoded((FOLDER / name).read_text())
-    fresh_vertices, fresh_normals, fresh_corners = decoded(CONTENTS[name])
+    vertices, normals, corners = decode_gltf((FOLDER / name).read_text())
+    fresh_vertices, fresh_normals, fresh_corners = decode_gltf(CONTENTS[name])
     assert corners == fresh_corners
     np.testing.assert_allclose(vertices, fresh_vertices, atol=3e-5)
     np.testing.assert_allclose(normals, fresh_normals, atol=5e-3)

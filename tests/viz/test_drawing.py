@@ -58,6 +58,6 @@ def test_numbers_are_short(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["#1a8f3c", "#ffffff", "#000000"])
-def test_colours_are_written_as_they_are_read(text: str) -> None:
+def test_colors_are_written_as_they_are_read(text: str) -> None:
     assert to_hex(to_rgb(text)) == text
     assert to_hex(text) == text

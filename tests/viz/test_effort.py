@@ -47,7 +47,7 @@ def test_the_tree_has_a_panel_a_level_and_a_row_a_strategy_that_knows() -> None:
     assert np.asarray(image.get_array()).tolist() == [[1.0]]
 
 
-def test_every_stage_has_its_own_colour() -> None:
+def test_every_stage_has_its_own_color() -> None:
     assert len(set(STAGES.values())) == len(STAGES)
 
 

@@ -60,7 +60,7 @@ def test_abbreviations_stay_distinct(actions: list[str], labels: list[str]) -> N
     assert abbreviations(actions) == dict(zip(actions, labels, strict=True))
 
 
-def test_plans_can_be_told_apart_by_their_colours() -> None:
+def test_plans_can_be_told_apart_by_their_colors() -> None:
     for one, other in combinations(PLAN_COLORS, 2):
         assert math.dist(one, other) > 0.1
 

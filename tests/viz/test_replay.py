@@ -94,7 +94,7 @@ def pixel(browser: Chromium, *path: str) -> tuple[int, int]:
     return round(x), round(y)
 
 
-def around(picture: np.ndarray, place: tuple[int, int]) -> np.ndarray:
+def color_around(picture: np.ndarray, place: tuple[int, int]) -> np.ndarray:
     """Mean colour of a few pixels."""
     x, y = place
     return picture[y - 2 : y + 3, x - 2 : x + 3].mean(axis=(0, 1))
@@ -129,14 +129,14 @@ def test_the_page_plays_by_itself_and_its_buttons_are_at_hand(browser: Chromium)
 
 def test_the_scene_is_drawn(browser: Chromium) -> None:
     picture = seek(browser, 0.0)
-    red, green, blue = around(picture, pixel(browser, "red_box", "red_box"))
+    red, green, blue = color_around(picture, pixel(browser, "red_box", "red_box"))
     assert red > 2 * green
     assert red > 2 * blue
-    red, green, blue = around(picture, pixel(browser, "blue_box", "blue_box"))
+    red, green, blue = color_around(picture, pixel(browser, "blue_box", "blue_box"))
     assert blue > 2 * red
-    arm = around(picture, pixel(browser, "panda", "panda_link2"))
+    arm = color_around(picture, pixel(browser, "panda", "panda_link2"))
     assert arm.min() > 0.6, "the arm is white"
-    red, green, blue = around(picture, pixel(browser, "table", "table"))
+    red, green, blue = color_around(picture, pixel(browser, "table", "table"))
     assert red > green > blue, "the table is of wood"
 
 
@@ -146,11 +146,11 @@ def test_the_animation_moves_the_arm_and_what_it_carries(browser: Chromium) -> N
     still = pixel(browser, "red_box", "red_box")
     last = seek(browser, DURATION)
     for place in places:
-        assert np.abs(around(first, place) - around(last, place)).max() > 0.1
-    assert np.abs(around(first, still) - around(last, still)).max() < 0.02
+        assert np.abs(color_around(first, place) - color_around(last, place)).max() > 0.1
+    assert np.abs(color_around(first, still) - color_around(last, still)).max() < 0.02
     moved = pixel(browser, "panda", "panda_hand")
     assert np.hypot(*np.subtract(moved, places[0])) > 50
-    red, _, blue = around(last, pixel(browser, "blue_box", "blue_box"))
+    red, _, blue = color_around(last, pixel(browser, "blue_box", "blue_box"))
     assert blue > 2 * red
 
 

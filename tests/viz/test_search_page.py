@@ -29,7 +29,7 @@ OPENED, REFUSED, PICKED, SLIPPED, PLACED = range(5)
 """Places in the log."""
 
 
-def swinging(start: float, end: float) -> list[Frame]:
+def swinging_frames(start: float, end: float) -> list[Frame]:
     """A recording of two seconds."""
     return [Frame(2.0 * time, swing(start + time * (end - start))) for time in np.linspace(0.0, 1.0, 61)]
 
@@ -47,7 +47,7 @@ def small_tree() -> Tree[Configuration]:
     return tree
 
 
-RECORDINGS = {PICKED: swinging(0.0, 0.5), SLIPPED: swinging(0.5, 0.2)}
+RECORDINGS = {PICKED: swinging_frames(0.0, 0.5), SLIPPED: swinging_frames(0.5, 0.2)}
 """The last step is shown by its end alone."""
 
 

@@ -31,12 +31,12 @@ def test_shapes_have_their_size_and_volume(triangles: np.ndarray, size: tuple[fl
     assert volume(triangles) == pytest.approx(inside, rel=0.02)
 
 
-def test_a_link_stands_upright_in_its_colour() -> None:
+def test_a_link_stands_upright_in_its_color() -> None:
     path = Path(ictamp_drake.models.__file__).parent / "sdf" / "panda_link0.gltf"
-    triangles, colour = read_gltf(path)
+    triangles, color = read_gltf(path)
     low, high = triangles.reshape(-1, 3).min(axis=0), triangles.reshape(-1, 3).max(axis=0)
     assert low[2] == pytest.approx(0.0, abs=0.01)
     assert high[2] == pytest.approx(0.14, abs=0.02)
     assert volume(triangles) > 0
-    assert colour.shape == (3,)
-    assert colour.min() > 0.5
+    assert color.shape == (3,)
+    assert color.min() > 0.5

@@ -28,7 +28,7 @@ def scene(boxes: dict[str, BoxSpec]) -> SceneSpec:
     return SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=boxes, goal=goal)
 
 
-def standing(
+def build_tower(
     *names: str, x: float = 0.5, y: float = 0.1, floor: float = 0.0, yaws: tuple[float, ...] = ()
 ) -> dict[str, BoxSpec]:
     """A tower of boxes from the bottom up, its foot at x, y on a floor of that height [m]; yaws in [deg]."""
@@ -45,7 +45,7 @@ def pose(x: float, y: float, z: float, *, roll: float = 0.0, pitch: float = 0.0,
     return to_pose(RigidTransform(RollPitchYaw(np.radians([roll, pitch, yaw])), [x, y, z]))
 
 
-def arranged(world: World, poses: dict[str, FloatArray], held: str | None = None) -> Configuration:
+def arrange(world: World, poses: dict[str, FloatArray], held: str | None = None) -> Configuration:
     """The initial configuration with some boxes elsewhere."""
     c = world.initial_configuration()
     return Configuration(c.q, {**c.poses, **poses}, held, c.gripper)
@@ -68,7 +68,7 @@ def way(label: str, q0: FloatArray, q1: FloatArray, duration: float, gripper: Gr
     return Segment(label, duration, gripper, 6, knots, np.array([q0, q0, q0, q1, q1, q1]))
 
 
-def holding(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Configuration:
+def hold_box(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Configuration:
     """The arm at home with the box between its fingers, `drop` [m] further down than the middle of the pads."""
     c = world.initial_configuration()
     world.set_configuration(c)

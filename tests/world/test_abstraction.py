@@ -13,11 +13,11 @@ from ictamp_drake.core.types import Atom, Configuration, FloatArray, State
 from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec
 from ictamp_drake.symbolic.atoms import held_box, supporters
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.predicates import PredicateConfig
 from ictamp_drake.world.world import World
-from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, holding, pose, scene
+from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
 
 NAMES = sorted(SIZES)
 CONTACT = PredicateConfig().contact
@@ -30,18 +30,18 @@ def world() -> World:
 
 
 @pytest.fixture(scope="module")
-def abstraction(world: World) -> Abstraction:
-    return Abstraction(world)
+def abstraction(world: World) -> SceneAbstraction:
+    return SceneAbstraction(world)
 
 
-def about(state: State, box: str) -> set[str]:
+def atoms_about(state: State, box: str) -> set[str]:
     return {str(atom) for atom in state if box in atom.args and atom.args[0] == box}
 
 
 # hand-made configurations
 
 
-def test_boxes_alone_on_the_table(world: World, abstraction: Abstraction) -> None:
+def test_boxes_alone_on_the_table(world: World, abstraction: SceneAbstraction) -> None:
     state = abstraction(world.initial_configuration())
     expected = {Atom("hand-empty", ())}
     expected |= {Atom(p, (n,)) for n in NAMES for p in ("clear", "upright")}
@@ -51,10 +51,10 @@ def test_boxes_alone_on_the_table(world: World, abstraction: Abstraction) -> Non
 @pytest.mark.parametrize(("offset", "carried"), [(0.0285, True), (0.0295, False), (-0.0285, True), (-0.0295, False)])
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_centre_of_mass_must_be_above_the_outline(
-    world: World, abstraction: Abstraction, offset: float, carried: bool, axis: int
+    world: World, abstraction: SceneAbstraction, offset: float, carried: bool, axis: int
 ) -> None:
     shift = np.eye(2)[axis] * offset
-    c = arranged(
+    c = arrange(
         world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4 + shift[0], 0.1 + shift[1], 0.07 + 0.059)}
     )
     assert abstraction.eval(c, Atom("on", ("red_box", "cyan_box"))) == carried
@@ -65,10 +65,10 @@ def test_the_centre_of_mass_must_be_above_the_outline(
     assert not abstraction.eval(c, Atom("on", ("red_box", "table")))
 
 
-def test_the_outline_turns_with_the_lower_box(world: World, abstraction: Abstraction) -> None:
+def test_the_outline_turns_with_the_lower_box(world: World, abstraction: SceneAbstraction) -> None:
     """0.035 m along the diagonal is inside the lower box's outline, along its side it is not."""
     for yaw, carried in ((0.0, False), (45.0, True)):
-        c = arranged(world, {"cyan_box": pose(0.4, 0.1, 0.035, yaw=yaw), "red_box": pose(0.435, 0.1, 0.129)})
+        c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035, yaw=yaw), "red_box": pose(0.435, 0.1, 0.129)})
         assert abstraction.eval(c, Atom("on", ("red_box", "cyan_box"))) == carried
 
 
@@ -76,9 +76,9 @@ def test_the_outline_turns_with_the_lower_box(world: World, abstraction: Abstrac
     ("gap", "carried"), [(-0.0005, True), (0.0, True), (CONTACT - 1e-4, True), (CONTACT + 1e-4, False)]
 )
 def test_a_gap_above_the_tolerance_is_no_contact(
-    world: World, abstraction: Abstraction, gap: float, carried: bool
+    world: World, abstraction: SceneAbstraction, gap: float, carried: bool
 ) -> None:
-    c = arranged(world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4, 0.1, 0.129 + gap)})
+    c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4, 0.1, 0.129 + gap)})
     assert abstraction.eval(c, Atom("on", ("red_box", "cyan_box"))) == carried
     assert abstraction.eval(c, Atom("clear", ("cyan_box",))) != carried
 
@@ -87,20 +87,20 @@ def test_a_gap_above_the_tolerance_is_no_contact(
     ("roll", "pitch", "height"), [(90, 0, 0.025), (-90, 0, 0.025), (0, 90, 0.025), (180, 0, 0.059)]
 )
 def test_a_box_on_its_side_or_head_lies(
-    world: World, abstraction: Abstraction, roll: float, pitch: float, height: float
+    world: World, abstraction: SceneAbstraction, roll: float, pitch: float, height: float
 ) -> None:
-    c = arranged(world, {"red_box": pose(0.4, 0.1, height, roll=roll, pitch=pitch, yaw=30.0)})
-    assert about(abstraction(c), "red_box") == {"lying(red_box, table)", "tipped(red_box)", "clear(red_box)"}
+    c = arrange(world, {"red_box": pose(0.4, 0.1, height, roll=roll, pitch=pitch, yaw=30.0)})
+    assert atoms_about(abstraction(c), "red_box") == {"lying(red_box, table)", "tipped(red_box)", "clear(red_box)"}
 
 
 @pytest.mark.parametrize("pitch", [12.0, 25.0, 40.0])
-def test_a_leaning_box_is_neither_on_nor_lying(world: World, abstraction: Abstraction, pitch: float) -> None:
+def test_a_leaning_box_is_neither_on_nor_lying(world: World, abstraction: SceneAbstraction, pitch: float) -> None:
     """Its lower edge stands on the table, its upper one at the side of another box."""
     angle = math.radians(pitch)
     height = 0.059 * math.cos(angle) + 0.025 * math.sin(angle)
     reach = 0.059 * math.sin(angle) + 0.025 * math.cos(angle)
-    c = arranged(world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.371 - reach, 0.1, height, pitch=pitch)})
-    assert about(abstraction(c), "red_box") == {"upright(red_box)", "clear(red_box)"}
+    c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.371 - reach, 0.1, height, pitch=pitch)})
+    assert atoms_about(abstraction(c), "red_box") == {"upright(red_box)", "clear(red_box)"}
     assert abstraction.eval_detailed(c, Atom("on", ("red_box", "table")))["tilt"] == pytest.approx(angle)
 
 
@@ -109,36 +109,36 @@ def test_a_bridge_is_carried_by_the_box_under_its_centre(x: float, below: str | 
     bridge = BoxSpec((0.05, 0.05, 0.14), (0.6, 0.3, 0.07))
     boxes = {n: BoxSpec((0.05, 0.05, 0.05), (y, 0.1, 0.025)) for n, y in (("left", 0.36), ("right", 0.44))}
     world = World(scene({"bridge": bridge, **boxes}))
-    state = Abstraction(world)(arranged(world, {"bridge": pose(x, 0.1, 0.075, pitch=90.0)}))
+    state = SceneAbstraction(world)(arrange(world, {"bridge": pose(x, 0.1, 0.075, pitch=90.0)}))
     assert supporters(state).get("bridge") == below
     assert not {Atom("clear", ("left",)), Atom("clear", ("right",))} & state
 
 
-def test_on_the_rack_and_under_it(world: World, abstraction: Abstraction) -> None:
-    on = arranged(world, {"red_box": pose(0.44, -0.33, RACK_TOP + 0.059)})
-    assert about(abstraction(on), "red_box") == {"on(red_box, rack)", "upright(red_box)", "clear(red_box)"}
-    under = arranged(world, {"red_box": pose(0.44, -0.33, 0.059)})
-    assert about(abstraction(under), "red_box") == {"on(red_box, table)", "upright(red_box)", "clear(red_box)"}
+def test_on_the_rack_and_under_it(world: World, abstraction: SceneAbstraction) -> None:
+    on = arrange(world, {"red_box": pose(0.44, -0.33, RACK_TOP + 0.059)})
+    assert atoms_about(abstraction(on), "red_box") == {"on(red_box, rack)", "upright(red_box)", "clear(red_box)"}
+    under = arrange(world, {"red_box": pose(0.44, -0.33, 0.059)})
+    assert atoms_about(abstraction(under), "red_box") == {"on(red_box, table)", "upright(red_box)", "clear(red_box)"}
 
 
 @pytest.mark.parametrize(("roll", "posture"), [(0.0, "upright"), (90.0, "tipped"), (180.0, "tipped")])
-def test_a_box_in_the_hand(world: World, abstraction: Abstraction, roll: float, posture: str) -> None:
+def test_a_box_in_the_hand(world: World, abstraction: SceneAbstraction, roll: float, posture: str) -> None:
     box = "red_box" if roll % 180 == 0 else "yellow_box"
-    state = abstraction(holding(world, box, roll))
-    assert about(state, box) == {f"in-hand({box})", f"{posture}({box})"}
+    state = abstraction(hold_box(world, box, roll))
+    assert atoms_about(state, box) == {f"in-hand({box})", f"{posture}({box})"}
     assert Atom("hand-empty", ()) not in state
 
 
-def test_a_box_between_open_fingers_is_not_in_the_hand(world: World, abstraction: Abstraction) -> None:
-    c = holding(world, "red_box")
+def test_a_box_between_open_fingers_is_not_in_the_hand(world: World, abstraction: SceneAbstraction) -> None:
+    c = hold_box(world, "red_box")
     open_hand = Configuration(np.append(c.q[:7], [0.04, 0.04]), c.poses, None)
     state = abstraction(open_hand)
     assert Atom("hand-empty", ()) in state
     assert Atom("in-hand", ("red_box",)) not in state
 
 
-def test_a_gripped_box_that_something_carries_is_not_in_the_hand(world: World, abstraction: Abstraction) -> None:
-    c = holding(world, "red_box")
+def test_a_gripped_box_that_something_carries_is_not_in_the_hand(world: World, abstraction: SceneAbstraction) -> None:
+    c = hold_box(world, "red_box")
     below = to_transform(c.poses["red_box"]).translation() - [0.0, 0.0, 0.059 + 0.035]
     state = abstraction(Configuration(c.q, {**c.poses, "cyan_box": pose(*below)}, "red_box"))
     assert Atom("in-hand", ("red_box",)) not in state
@@ -149,7 +149,7 @@ def test_boxes_may_have_the_names_of_the_robots_parts() -> None:
     names = ("arm", "left_finger", "panda_hand", "grasp")
     boxes = {name: BoxSpec((0.05, 0.05, 0.05), (0.5, 0.12 * i, 0.025)) for i, name in enumerate(names)}
     world = World(scene(boxes))
-    state = Abstraction(world)(world.initial_configuration())
+    state = SceneAbstraction(world)(world.initial_configuration())
     assert supporters(state) == dict.fromkeys(names, "table")
     assert Atom("hand-empty", ()) in state
 
@@ -182,22 +182,22 @@ def arrangements(draw: st.DrawFn) -> tuple[dict[str, FloatArray], State]:
 @given(arrangement=arrangements())
 @settings(max_examples=60)
 def test_h_says_what_stands_and_lies_where(
-    world: World, abstraction: Abstraction, arrangement: tuple[dict[str, FloatArray], State]
+    world: World, abstraction: SceneAbstraction, arrangement: tuple[dict[str, FloatArray], State]
 ) -> None:
     poses, expected = arrangement
-    assert abstraction(arranged(world, poses)) == expected
+    assert abstraction(arrange(world, poses)) == expected
 
 
 @given(arrangement=arrangements(), held=st.sampled_from([None, *NAMES]))
 @settings(max_examples=30)
 def test_h_is_complete_and_agrees_with_eval(
-    world: World, abstraction: Abstraction, arrangement: tuple[dict[str, FloatArray], State], held: str | None
+    world: World, abstraction: SceneAbstraction, arrangement: tuple[dict[str, FloatArray], State], held: str | None
 ) -> None:
     """Exactly the atoms that `symbolic.atoms` demands, each of them also when it is asked for alone."""
     poses, _ = arrangement
-    c = arranged(world, poses)
+    c = arrange(world, poses)
     if held is not None:
-        gripping = holding(world, held)
+        gripping = hold_box(world, held)
         c = Configuration(gripping.q, {**c.poses, held: gripping.poses[held]}, held)
     state = abstraction(c)
     carried = supporters(state)
@@ -225,7 +225,7 @@ def test_h_is_complete_and_agrees_with_eval(
             assert quantities["overhang"] <= 0
 
 
-def _moved(spec: SceneSpec, x: float, y: float, yaw: float) -> SceneSpec:
+def _move_scene(spec: SceneSpec, x: float, y: float, yaw: float) -> SceneSpec:
     """The whole scene turned about the origin [deg] and moved [m]."""
     s, c = math.sin(math.radians(yaw)), math.cos(math.radians(yaw))
 
@@ -256,26 +256,26 @@ def _moved(spec: SceneSpec, x: float, y: float, yaw: float) -> SceneSpec:
 @settings(max_examples=6)
 def test_h_is_the_same_when_the_whole_scene_is_elsewhere(
     world: World,
-    abstraction: Abstraction,
+    abstraction: SceneAbstraction,
     arrangement: tuple[dict[str, FloatArray], State],
     move: tuple[float, float, float],
     held: str | None,
 ) -> None:
     x, y, yaw = move
-    c = arranged(world, arrangement[0])
+    c = arrange(world, arrangement[0])
     if held is not None:
-        gripping = holding(world, held)
+        gripping = hold_box(world, held)
         c = Configuration(gripping.q, {**c.poses, held: gripping.poses[held]}, held)
     X = RigidTransform(RotationMatrix.MakeZRotation(math.radians(yaw)), [x, y, 0.0])
     poses = {name: to_pose(X @ to_transform(p)) for name, p in c.poses.items()}
-    elsewhere = World(_moved(world.spec, x, y, yaw))
-    assert Abstraction(elsewhere)(Configuration(c.q, poses, c.held)) == abstraction(c)
+    elsewhere = World(_move_scene(world.spec, x, y, yaw))
+    assert SceneAbstraction(elsewhere)(Configuration(c.q, poses, c.held)) == abstraction(c)
 
 
 # knocking things over
 
 
-def _knocked(c: Configuration) -> dict[str, Configuration]:
+def _knock_over(c: Configuration) -> dict[str, Configuration]:
     """What clumsiness may make of picking yellow_box off cyan_box beside red_box."""
     X_WO = to_transform(c.poses["red_box"]).translation()
     tumbled = {
@@ -291,26 +291,26 @@ def _knocked(c: Configuration) -> dict[str, Configuration]:
     return {what: Configuration(c.q, {**c.poses, **poses}, c.held) for what, poses in tumbled.items()}
 
 
-def test_knocking_things_over_is_never_the_promised_state(world: World, abstraction: Abstraction) -> None:
+def test_knocking_things_over_is_never_the_promised_state(world: World, abstraction: SceneAbstraction) -> None:
     tower = {"cyan_box": pose(0.4, 0.1, 0.035), "yellow_box": pose(0.4, 0.1, 0.103)}
-    before = abstraction(arranged(world, tower))
+    before = abstraction(arrange(world, tower))
     domain = Domain.create(NAMES, ["rack", "table"], before)
     picked = next(a for a, _ in domain.successors(before) if a.name == "pick" and a.args[0] == "yellow_box")
     promised = domain.successor(before, picked)
-    gripping = holding(world, "yellow_box")
+    gripping = hold_box(world, "yellow_box")
     done = Configuration(gripping.q, {**gripping.poses, "cyan_box": tower["cyan_box"]}, "yellow_box")
     assert abstraction(done) == promised
-    for what, c in _knocked(done).items():
+    for what, c in _knock_over(done).items():
         assert abstraction(c) != promised, what
     dropped = {**done.poses, "yellow_box": pose(0.45, 0.3, 0.033)}
     assert abstraction(Configuration(done.q, dropped)) != promised
 
 
 def test_a_box_that_lies_where_the_goal_wants_it_does_not_reach_the_goal(
-    world: World, abstraction: Abstraction
+    world: World, abstraction: SceneAbstraction
 ) -> None:
     for roll in (90.0, -90.0, 180.0):
         height = 0.025 if roll != 180.0 else 0.059
-        c = arranged(world, {"red_box": pose(0.44, -0.33, RACK_TOP + height, roll=roll)})
+        c = arrange(world, {"red_box": pose(0.44, -0.33, RACK_TOP + height, roll=roll)})
         assert not abstraction.eval(c, Atom("on", ("red_box", "rack")))
         assert abstraction.eval(c, Atom("lying", ("red_box", "rack")))

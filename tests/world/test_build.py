@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom, Configuration
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, load_scene
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
@@ -31,7 +31,7 @@ def beside(support: SupportSpec, x: float, y: float, yaw: float, size: tuple[flo
     return BoxSpec(size, tuple(X_WO.translation()), tuple(angles), mass=0.05)
 
 
-def overhanging(inside: float) -> dict[str, BoxSpec]:
+def overhanging_boxes(inside: float) -> dict[str, BoxSpec]:
     """Boxes apart from each other whose centres are as far inside the rims of table and rack."""
     half, side = 0.2 - inside, 0.375 - inside
     return {
@@ -48,18 +48,18 @@ def overhanging(inside: float) -> dict[str, BoxSpec]:
     }
 
 
-def settled(boxes: dict[str, BoxSpec]) -> tuple[Configuration, Configuration, Abstraction]:
+def settle(boxes: dict[str, BoxSpec]) -> tuple[Configuration, Configuration, SceneAbstraction]:
     """Configuration at first and after five seconds, and H of the scene."""
     spec = SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=boxes, goal=f"(on {min(boxes)} rack)")
     world = World(spec)
     c = world.initial_configuration()
-    return c, PhysicsConfig().create(world).run(c, (stay(c, 5.0),)).c, Abstraction(world)
+    return c, PhysicsConfig().create(world).run(c, (stay(c, 5.0),)).c, SceneAbstraction(world)
 
 
 @pytest.mark.parametrize("inside", [INSIDE, 0.0145])
 def test_boxes_with_their_centres_inside_a_rim_stay(inside: float) -> None:
-    boxes = overhanging(inside)
-    first, last, H = settled(boxes)
+    boxes = overhanging_boxes(inside)
+    first, last, H = settle(boxes)
     for name in boxes:
         np.testing.assert_allclose(last.poses[name], first.poses[name], atol=5e-4, err_msg=name)
         assert H.eval(last, Atom("on", (name, "rack" if name.startswith("rack") else "table")))
@@ -67,8 +67,8 @@ def test_boxes_with_their_centres_inside_a_rim_stay(inside: float) -> None:
 
 
 def test_boxes_with_their_centres_outside_a_rim_fall() -> None:
-    boxes = overhanging(OUTSIDE)
-    first, last, _ = settled(boxes)
+    boxes = overhanging_boxes(OUTSIDE)
+    first, last, _ = settle(boxes)
     for name in boxes:
         assert last.poses[name][6] < first.poses[name][6] - 0.1, name
 
@@ -79,7 +79,7 @@ def test_a_box_that_overhangs_a_lower_one_stays_or_falls(yaw: float) -> None:
     for inside in (INSIDE, OUTSIDE):
         upper = beside(TABLE, 0.029 - inside, 0.006, yaw, (0.05, 0.05, 0.1))
         upper = replace(upper, position=(*upper.position[:2], 0.325 + 0.07 + 0.05))
-        first, last, H = settled({"lower": lower, "upper": upper})
+        first, last, H = settle({"lower": lower, "upper": upper})
         moved = np.abs(last.poses["upper"] - first.poses["upper"]).max()
         assert (moved < 5e-4) == (inside > 0), (yaw, inside, moved)
         assert H.eval(last, Atom("on", ("upper", "lower"))) == (inside > 0)
@@ -88,9 +88,9 @@ def test_a_box_that_overhangs_a_lower_one_stays_or_falls(yaw: float) -> None:
 def test_a_scene_with_an_overhanging_box_starts() -> None:
     spec = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "f1-overhang.yaml")
     world = World(spec)
-    c, _ = start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "f1")
+    c, _ = start_configuration(world, SceneAbstraction(world), PhysicsConfig().create(world), "f1")
     np.testing.assert_allclose(c.poses["crate"], spec.boxes["crate"].X_WO, atol=1e-4)
-    assert Abstraction(world).eval(c, Atom("on", ("crate", "table")))
+    assert SceneAbstraction(world).eval(c, Atom("on", ("crate", "table")))
 
 
 def test_a_scene_in_which_a_centre_is_outside_a_rim_is_refused() -> None:
@@ -99,7 +99,7 @@ def test_a_scene_in_which_a_centre_is_outside_a_rim_is_refused() -> None:
     )
     world = World(spec)
     with pytest.raises(IctampError, match=r"f1: boxes\.thing\.position is .* its centre above that one's top"):
-        start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "f1")
+        start_configuration(world, SceneAbstraction(world), PhysicsConfig().create(world), "f1")
 
 
 def test_queries_see_no_rims() -> None:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
 from ictamp_drake.models.constants import HOME, MAX_FINGER_SPEED
-from ictamp_drake.world.commands import FORCE_RAMP, desired_positions, feedforward, gripper_time, obeyed_at
+from ictamp_drake.world.commands import FORCE_RAMP, desired_positions, feedforward, gripper_time, obedience_time
 from tests.world.scenes import way
 
 OPEN = GripperCommand(0.08)
@@ -29,7 +29,7 @@ def pick_and_place() -> list[Segment]:
     ]
 
 
-def sampled(segments: list[Segment], times: FloatArray) -> tuple[FloatArray, FloatArray]:
+def sample_commands(segments: list[Segment], times: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Desired positions, shape (m, 9), and grip force of the left finger, shape (m,)."""
     end = sum(segment.duration for segment in segments) + 1.0
     positions = desired_positions(q0, OPEN, segments, end)
@@ -39,7 +39,7 @@ def sampled(segments: list[Segment], times: FloatArray) -> tuple[FloatArray, Flo
 
 def test_fingers_arrive_before_they_press_and_let_go_before_they_open() -> None:
     times = np.arange(0.0, 3.9, 0.001)
-    positions, force = sampled(pick_and_place(), times)
+    positions, force = sample_commands(pick_and_place(), times)
     width = 2 * positions[:, 7]
     np.testing.assert_array_equal(positions[:, 7], positions[:, 8])
     pressing = force > 1e-9
@@ -137,7 +137,7 @@ def test_a_command_is_obeyed_whole_before_the_next_one(
 ) -> None:
     """Whatever comes how soon: fingers go no faster than they can, forces do not jump, each goal is reached."""
     segments = [still("s", q0, duration, gripper) for gripper, duration in commands]
-    obeyed = obeyed_at(before, segments)
+    obeyed = obedience_time(before, segments)
     end = max(obeyed, sum(duration for _, duration in commands)) + 0.5
     times = np.arange(0.0, end, 0.001)
     positions, efforts = desired_positions(q0, before, segments, end), feedforward(before, segments, end)
@@ -157,8 +157,8 @@ def test_a_command_is_obeyed_whole_before_the_next_one(
 
 def test_a_command_in_time_starts_with_its_segment() -> None:
     segments = [still("a", q0, 1.0, GRIP), still("b", q0, 1.0, OPEN)]
-    assert obeyed_at(OPEN, segments) == pytest.approx(1.0 + gripper_time(GRIP, OPEN))
-    assert obeyed_at(OPEN, []) == obeyed_at(GRIP, [still("a", q0, 1.0, GRIP)]) == 0.0
-    assert obeyed_at(OPEN, [still("a", q0, 0.1, GRIP), still("b", q0, 1.0, OPEN)]) == pytest.approx(
+    assert obedience_time(OPEN, segments) == pytest.approx(1.0 + gripper_time(GRIP, OPEN))
+    assert obedience_time(OPEN, []) == obedience_time(GRIP, [still("a", q0, 1.0, GRIP)]) == 0.0
+    assert obedience_time(OPEN, [still("a", q0, 0.1, GRIP), still("b", q0, 1.0, OPEN)]) == pytest.approx(
         gripper_time(OPEN, GRIP) + gripper_time(GRIP, OPEN)
     )

@@ -1,4 +1,4 @@
-"""U, a box as it lies: what `frames.upright` promises for every way that a box can lie."""
+"""U, a box as it lies: what `frames.upright_frame` promises for every way that a box can lie."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 from scipy.spatial.transform import Rotation
 
-from ictamp_drake.world.frames import upright
-from ictamp_drake.world.poses import normalised, to_pose, to_transform
+from ictamp_drake.world.frames import upright_frame
+from ictamp_drake.world.poses import normalize_quaternion, to_pose, to_transform
 
 SIZE = (0.04, 0.06, 0.1)
 ORIENTATIONS = [rotation.as_matrix() for rotation in Rotation.create_group("O")]
@@ -25,7 +25,7 @@ def test_a_box_can_lie_in_24_ways() -> None:
 @pytest.mark.parametrize("R_WO", ORIENTATIONS)
 def test_z_points_up_and_sizes_belong_to_the_axes(R_WO: np.ndarray) -> None:
     X_WO = RigidTransform(RotationMatrix(R_WO), [0.1, 0.2, 0.3])
-    found = upright(to_pose(X_WO), SIZE)
+    found = upright_frame(to_pose(X_WO), SIZE)
     R_WU = found.X_WU.rotation().matrix()
     np.testing.assert_allclose(R_WU[:, 2], [0, 0, 1], atol=1e-12)
     np.testing.assert_allclose(found.X_WU.translation(), [0.1, 0.2, 0.3])
@@ -38,7 +38,7 @@ def test_z_points_up_and_sizes_belong_to_the_axes(R_WO: np.ndarray) -> None:
 @given(angles, angles, angles, places)
 def test_axes_are_the_box_s_and_right_handed(roll: float, pitch: float, yaw: float, p: tuple[float, ...]) -> None:
     X_WO = RigidTransform(RollPitchYaw(roll, pitch, yaw), p)
-    found = upright(to_pose(X_WO), SIZE)
+    found = upright_frame(to_pose(X_WO), SIZE)
     R_OU = (X_WO.rotation().inverse() @ found.X_WU.rotation()).matrix()
     np.testing.assert_allclose(np.abs(R_OU), np.abs(R_OU).round(), atol=1e-9)
     assert np.linalg.det(R_OU) == pytest.approx(1.0)
@@ -50,7 +50,7 @@ def test_axes_are_the_box_s_and_right_handed(roll: float, pitch: float, yaw: flo
 @given(small, small, angles, places)
 def test_u_is_o_for_a_box_that_stands(roll: float, pitch: float, yaw: float, p: tuple[float, ...]) -> None:
     X_WO = RigidTransform(RollPitchYaw(roll, pitch, yaw), p)
-    found = upright(to_pose(X_WO), SIZE)
+    found = upright_frame(to_pose(X_WO), SIZE)
     assert found.is_upright
     assert found.X_WU.IsNearlyEqualTo(X_WO, 1e-12)
     np.testing.assert_array_equal(found.size, SIZE)
@@ -65,7 +65,7 @@ def test_poses_go_to_transforms_and_back(
     assert to_transform(pose).IsNearlyEqualTo(X, 1e-12)
     stretched = np.append(length * pose[:4], pose[4:])
     assert to_transform(stretched).IsNearlyEqualTo(X, 1e-12)
-    np.testing.assert_allclose(normalised(stretched), pose, atol=1e-12)
+    np.testing.assert_allclose(normalize_quaternion(stretched), pose, atol=1e-12)
 
 
 @given(angles, angles, angles, places)
@@ -73,11 +73,15 @@ def test_the_same_box_is_the_same_however_often_it_is_looked_at(
     roll: float, pitch: float, yaw: float, p: tuple[float, ...]
 ) -> None:
     pose = to_pose(RigidTransform(RollPitchYaw(roll, pitch, yaw), p))
-    first, turned, again = upright(pose, SIZE), upright(pose, SIZE[::-1]), upright(pose.copy(), np.array(SIZE))
+    first, turned, again = (
+        upright_frame(pose, SIZE),
+        upright_frame(pose, SIZE[::-1]),
+        upright_frame(pose.copy(), np.array(SIZE)),
+    )
     np.testing.assert_array_equal(first.X_WT.GetAsMatrix4(), again.X_WT.GetAsMatrix4())
     np.testing.assert_array_equal(first.size, again.size)
     assert first.size[2] == SIZE[first.axis]
     assert turned.size[2] == SIZE[::-1][first.axis]
     assert not first.size.flags.writeable
-    moved = upright(pose + [0, 0, 0, 0, 0, 0, 1e-3], SIZE)
+    moved = upright_frame(pose + [0, 0, 0, 0, 0, 0, 1e-3], SIZE)
     assert moved.X_WT.translation()[2] == pytest.approx(first.X_WT.translation()[2] + 1e-3)

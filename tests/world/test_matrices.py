@@ -8,8 +8,8 @@ from pydrake.math import RigidTransform, RotationMatrix
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
-from ictamp_drake.world.frames import upright
-from ictamp_drake.world.matrices import all_upright, flat, grasps, inverse, level, to_matrices
+from ictamp_drake.world.frames import upright_frame
+from ictamp_drake.world.matrices import flat, grasps, inverse, level, to_matrices, upright_frames
 from ictamp_drake.world.poses import to_transform
 
 seeds = st.integers(0, 2**32 - 1)
@@ -45,9 +45,9 @@ def test_frames_turned_about_the_vertical_and_the_hand_pointing_down(seed: int) 
 @given(seeds)
 def test_boxes_lie_as_one_by_one(seed: int) -> None:
     sizes = np.random.default_rng(seed).uniform(0.03, 0.1, (4, 3))
-    X_WU, along, stands = all_upright(to_matrices(poses(seed))[None], sizes)
+    X_WU, along, stands = upright_frames(to_matrices(poses(seed))[None], sizes)
     for number, pose in enumerate(poses(seed)):
-        lying = upright(pose, sizes[number])
+        lying = upright_frame(pose, sizes[number])
         np.testing.assert_allclose(X_WU[0, number], lying.X_WU.GetAsMatrix4(), atol=1e-12)
         np.testing.assert_array_equal(along[0, number], lying.size)
         assert stands[0, number] == lying.is_upright

@@ -20,7 +20,7 @@ from ictamp_drake.world.outcome import Frame
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.simulate import Physics, PhysicsConfig
 from ictamp_drake.world.world import FINGERS, World
-from tests.world.scenes import RACK, SIZES, TABLE, arranged, box, p_GO, pose, scene, standing, stay, way
+from tests.world.scenes import RACK, SIZES, TABLE, arrange, box, build_tower, p_GO, pose, scene, stay, way
 
 OPEN = GripperCommand(0.08)
 G_HEIGHT = 0.4868821
@@ -138,7 +138,7 @@ def test_what_was_simulated_before_leaves_nothing_behind(world: World, physics: 
     c = world.initial_configuration()
     carried = physics.run(c, grip_and_carry(c, 30.0)).c
     assert carried.held == "thing"
-    empty = arranged(world, {"thing": pose(0.6, 0.2, TALL / 2)})
+    empty = arrange(world, {"thing": pose(0.6, 0.2, TALL / 2)})
     alone = replace(way("aside", empty.q[:7], AWAY, 1.0, OPEN), touches=frozenset())
     for motion in ((alone,), (stay(empty, 1e-9),)):
         physics.run(c, grip_and_carry(c, 30.0))
@@ -167,7 +167,7 @@ def test_simulators_may_share_a_world(world: World) -> None:
     motion = [replace(segment, touches=frozenset({"thing"})) for segment in grip_and_carry(c, 30.0)]
     reference = fresh().run(c, motion)
     one, other = (PhysicsConfig().create(world) for _ in range(2))
-    aside = arranged(world, {"thing": pose(0.6, 0.2, TALL / 2)})
+    aside = arrange(world, {"thing": pose(0.6, 0.2, TALL / 2)})
 
     def disturb(*_: object) -> bool:
         other.run(aside, (stay(aside, 0.05),))
@@ -211,7 +211,7 @@ def test_a_state_that_belongs_to_something_else_is_refused(
 
 def test_boxes_may_move_where_a_motion_begins(world: World, physics: Physics) -> None:
     """A box in the air falls, though the arm touches nothing."""
-    c = arranged(world, {"thing": pose(0.5, -0.3, 0.4)})
+    c = arrange(world, {"thing": pose(0.5, -0.3, 0.4)})
     state = physics.run(c, (stay(c, 1e-9),)).c.x
     assert state is not None
     rises = state.copy()
@@ -282,8 +282,8 @@ def test_a_falling_tower_is_not_called_at_rest() -> None:
     """A box on its edge, all but balanced, is slow at first: it must not count as standing."""
     angle = np.arctan2(0.025, 0.059) + 1e-3
     height = 0.059 * np.cos(angle) + 0.025 * np.sin(angle)
-    spec = scene(standing("red_box"))
-    c = arranged(World(spec), {"red_box": pose(0.5, 0.1, height, pitch=np.degrees(angle))})
+    spec = scene(build_tower("red_box"))
+    c = arrange(World(spec), {"red_box": pose(0.5, 0.1, height, pitch=np.degrees(angle))})
     outcome = PhysicsConfig().create(World(spec)).run(c, ())
     assert outcome.settled
     assert outcome.c.poses["red_box"][6] == pytest.approx(0.025, abs=2e-4)
@@ -353,7 +353,7 @@ def test_a_grip_without_enough_friction_loses_the_box(world: World) -> None:
 
 
 def test_a_hand_that_closes_on_nothing_holds_nothing(world: World, physics: Physics) -> None:
-    c = arranged(world, {"thing": pose(0.6, 0.2, TALL / 2)})
+    c = arrange(world, {"thing": pose(0.6, 0.2, TALL / 2)})
     outcome = physics.run(c, grip_and_carry(c, 30.0)[:1])
     assert outcome.c.held is None
     assert outcome.c.q[7] < SIDE / 2 - 0.01
@@ -364,7 +364,7 @@ def test_a_box_that_one_finger_presses_is_not_held() -> None:
     world = World(spec)
     c = world.initial_configuration()
     aside = c.poses["thing"] + [0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.0]
-    start = arranged(world, {"thing": aside})
+    start = arrange(world, {"thing": aside})
     outcome = PhysicsConfig().create(World(spec)).run(start, (stay(start, 0.6, GripperCommand(SIDE + 0.016)),))
     touching = {touch.a for touch in world.touches(outcome.c, 5e-4) if touch.b == "thing"}
     touching |= {touch.b for touch in world.touches(outcome.c, 5e-4) if touch.a == "thing"}
@@ -391,7 +391,7 @@ def _efforts(physics: Physics, c: Configuration, motion: Motion) -> FloatArray:
 
 
 def test_pushing_into_a_heavy_obstacle_takes_no_more_than_the_effort_limits() -> None:
-    spec = SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=standing("red_box"), goal="(on red_box rack)")
+    spec = SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=build_tower("red_box"), goal="(on red_box rack)")
     physics = PhysicsConfig(record_period=0.004).create(World(spec))
     c = World(spec).initial_configuration()
     through_the_table = np.array([0.0, 1.3, 0.0, -1.2, 0.0, 2.0, 0.8])
@@ -461,6 +461,6 @@ def test_physics_is_the_same_everywhere_in_the_plane() -> None:
     X = RigidTransform(RotationMatrix.MakeZRotation(0.7), [0.05, -0.03, 0.0])
     physics, world = PhysicsConfig().create(World(spec)), World(spec)
     c = world.initial_configuration()
-    moved = arranged(world, {"red_box": to_pose(X @ to_transform(c.poses["red_box"]))})
+    moved = arrange(world, {"red_box": to_pose(X @ to_transform(c.poses["red_box"]))})
     ends = [to_transform(physics.run(start, ()).c.poses["red_box"]) for start in (c, moved)]
     assert (X @ ends[0]).IsNearlyEqualTo(ends[1], 1e-3)

@@ -13,7 +13,7 @@ from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics, PhysicsConfig, Watcher
 from ictamp_drake.world.sleep import NEAR
 from ictamp_drake.world.world import World
-from tests.world.scenes import TABLE, arranged, pose, stay, way
+from tests.world.scenes import TABLE, arrange, pose, stay, way
 from tests.world.test_simulate import G_HEIGHT, G_X, OPEN, SIDE, TALL
 
 CUBE = 0.05
@@ -34,12 +34,12 @@ class Counted(Physics):
         return super()._execute(motion, watch, record, sleep=sleep)
 
 
-def touching(segment: Segment, *names: str) -> Segment:
+def allow_touches(segment: Segment, *names: str) -> Segment:
     """The segment, on which nothing but these bodies may be touched."""
     return replace(segment, touches=frozenset(names))
 
 
-def turned(angle: float) -> FloatArray:
+def turned_arm(angle: float) -> FloatArray:
     """The arm at home, turned about the vertical [rad]."""
     return np.array(HOME) + [angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
 
@@ -58,7 +58,7 @@ def awake(spec: SceneSpec, touched: Collection[str], c: Configuration | None = N
     world = World(spec)
     physics = PhysicsConfig().create(world)
     c = c or physics.run(world.initial_configuration(), ()).c
-    physics.run(c, (touching(stay(c, 0.02), *touched),))
+    physics.run(c, (allow_touches(stay(c, 0.02), *touched),))
     return set(spec.boxes) - physics._sleepers.asleep
 
 
@@ -118,7 +118,7 @@ def test_a_sleeping_box_never_carries_an_awake_one(seed: int) -> None:
             assert len(pair) < 2 or pair <= asleep or not pair & asleep
         return True
 
-    physics.run(c, [touching(stay(c, 0.1), name) for name in rng.permutation(list(spec.boxes))], watch=watch)
+    physics.run(c, [allow_touches(stay(c, 0.1), name) for name in rng.permutation(list(spec.boxes))], watch=watch)
     assert mixed == len(spec.boxes)
 
 
@@ -147,7 +147,7 @@ def course(angle: float) -> SceneSpec:
     return SceneSpec(supports=supports, boxes=boxes, goal="(on thing floor)")
 
 
-def both(world: World, c: Configuration, motion: Motion) -> tuple[Outcome, Outcome, list[bool]]:
+def run_both(world: World, c: Configuration, motion: Motion) -> tuple[Outcome, Outcome, list[bool]]:
     """With sleep and with the whole scene awake, and what was executed for the former."""
     physics = Counted(world, PhysicsConfig())
     return physics.run(c, motion), AWAKE.create(world).run(c, motion), physics.executions
@@ -156,9 +156,9 @@ def both(world: World, c: Configuration, motion: Motion) -> tuple[Outcome, Outco
 @pytest.mark.parametrize("duration", [0.4, 1.2])
 def test_an_arm_that_sweeps_a_sleeping_box_away_wakes_it(duration: float) -> None:
     world = World(course(0.45))
-    c = arranged(world, {"thing": pose(0.5, -0.3, TALL / 2)})
-    motion = (touching(way("sweep", turned(0.0), turned(0.9), duration, OPEN)),)
-    outcome, reference, executions = both(world, c, motion)
+    c = arrange(world, {"thing": pose(0.5, -0.3, TALL / 2)})
+    motion = (allow_touches(way("sweep", turned_arm(0.0), turned_arm(0.9), duration, OPEN)),)
+    outcome, reference, executions = run_both(world, c, motion)
     assert executions == [True, False, False], "with sleep, awake, and with the rim over which the box is pushed"
     assert outcome.c == reference.c
     assert outcome.settled == reference.settled
@@ -170,13 +170,13 @@ def test_a_held_box_that_is_pushed_into_a_sleeping_one_wakes_it() -> None:
     world = World(course(0.45))
     c = world.initial_configuration()
     grip = GripperCommand(SIDE, 30.0)
-    up = turned(0.0) + [0.0, -0.005, 0.0, 0.002, 0.0, 0.002, 0.0]
+    up = turned_arm(0.0) + [0.0, -0.005, 0.0, 0.002, 0.0, 0.002, 0.0]
     motion = (
-        touching(stay(c, 0.6, grip), "thing"),
-        touching(way("lift", turned(0.0), up, 0.4, grip), "thing"),
-        touching(way("transfer", up, up + turned(0.35) - turned(0.0), 1.0, grip), "thing"),
+        allow_touches(stay(c, 0.6, grip), "thing"),
+        allow_touches(way("lift", turned_arm(0.0), up, 0.4, grip), "thing"),
+        allow_touches(way("transfer", up, up + turned_arm(0.35) - turned_arm(0.0), 1.0, grip), "thing"),
     )
-    outcome, reference, executions = both(world, c, motion)
+    outcome, reference, executions = run_both(world, c, motion)
     assert executions == [True, False]
     assert outcome.c == reference.c
     assert outcome.c.held == "thing"
@@ -186,7 +186,7 @@ def test_a_held_box_that_is_pushed_into_a_sleeping_one_wakes_it() -> None:
 def test_fingers_that_close_on_a_sleeping_box_wake_it() -> None:
     world = World(course(0.45))
     c = world.initial_configuration()
-    outcome, reference, executions = both(world, c, (touching(stay(c, 0.6, GripperCommand(SIDE, 30.0))),))
+    outcome, reference, executions = run_both(world, c, (allow_touches(stay(c, 0.6, GripperCommand(SIDE, 30.0))),))
     assert executions == [True, False]
     assert outcome.c == reference.c
     assert outcome.c.held == "thing"
@@ -195,10 +195,10 @@ def test_fingers_that_close_on_a_sleeping_box_wake_it() -> None:
 def test_the_guard_goes_on_from_where_the_motion_began() -> None:
     """Also when skills were executed before, without a reset."""
     world = World(course(0.45))
-    away = arranged(world, {"thing": pose(0.5, -0.3, TALL / 2)})
+    away = arrange(world, {"thing": pose(0.5, -0.3, TALL / 2)})
     physics = Counted(world, PhysicsConfig())
-    before = physics.run(away, (touching(way("aside", turned(0.0), turned(-0.3), 0.5, OPEN)),)).c
-    sweep = (touching(way("sweep", turned(-0.3), turned(0.9), 0.8, OPEN)),)
+    before = physics.run(away, (allow_touches(way("aside", turned_arm(0.0), turned_arm(-0.3), 0.5, OPEN)),)).c
+    sweep = (allow_touches(way("sweep", turned_arm(-0.3), turned_arm(0.9), 0.8, OPEN)),)
     outcome = physics.proceed(sweep)
     assert physics.executions == [True, True, False, False]
     assert outcome.c == AWAKE.create(world).run(before, sweep).c
@@ -206,9 +206,9 @@ def test_the_guard_goes_on_from_where_the_motion_began() -> None:
 
 def test_a_motion_that_touches_nothing_wakes_nobody() -> None:
     world = World(course(0.9))
-    c = PhysicsConfig().create(world).run(arranged(world, {"thing": pose(0.5, -0.3, TALL / 2)}), ()).c
-    motion = (touching(way("aside", turned(0.0), turned(0.3), 0.8, OPEN)),)
-    outcome, reference, executions = both(world, c, motion)
+    c = PhysicsConfig().create(world).run(arrange(world, {"thing": pose(0.5, -0.3, TALL / 2)}), ()).c
+    motion = (allow_touches(way("aside", turned_arm(0.0), turned_arm(0.3), 0.8, OPEN)),)
+    outcome, reference, executions = run_both(world, c, motion)
     assert executions == [True]
     np.testing.assert_allclose(outcome.c.q, reference.c.q, rtol=0, atol=1e-12)
     for name in c.poses:
@@ -232,22 +232,22 @@ def test_a_box_that_begins_to_topple_when_it_is_released_does_not_sleep(ahead: f
     world = World(spec)
     closed, grip = np.array([*HOME, SIDE / 2, SIDE / 2]), GripperCommand(SIDE, 30.0)
     start = Configuration(closed, world.initial_configuration().poses, "thing", grip)
-    c = PhysicsConfig().create(world).run(start, (touching(stay(start, 0.3), "thing"),)).c
+    c = PhysicsConfig().create(world).run(start, (allow_touches(stay(start, 0.3), "thing"),)).c
     assert c.held == "thing"
-    up = turned(0.0) + [0.0, -0.12, 0.0, 0.05, 0.0, 0.05, 0.0]
+    up = turned_arm(0.0) + [0.0, -0.12, 0.0, 0.05, 0.0, 0.05, 0.0]
     motion = (
-        touching(stay(c, 0.16, OPEN, "release"), "thing", "slab"),
-        touching(way("retreat", turned(0.0), up, 0.7, OPEN)),
+        allow_touches(stay(c, 0.16, OPEN, "release"), "thing", "slab"),
+        allow_touches(way("retreat", turned_arm(0.0), up, 0.7, OPEN)),
     )
     speeds = []
 
     def watch(_: Segment, running: Physics) -> bool:
-        speeds.append(len(running._moving()))
+        speeds.append(len(running._find_moving()))
         return True
 
     PhysicsConfig().create(world).run(c, motion[:1], watch=watch)
     assert speeds == [0 if slow else 1], "whether it counts as moving after the release"
-    outcome, reference, _ = both(world, c, motion)
+    outcome, reference, _ = run_both(world, c, motion)
     assert reference.c.poses["thing"][6] < TOP, "it falls"
     np.testing.assert_allclose(outcome.c.poses["thing"], reference.c.poses["thing"], atol=1e-4)
     assert outcome.settled == reference.settled

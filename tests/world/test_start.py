@@ -8,22 +8,22 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.scenes.spec import BoxSpec, SupportSpec
-from ictamp_drake.world.abstraction import Abstraction
+from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
 from ictamp_drake.world.world import World
-from tests.world.scenes import box, scene, standing
+from tests.world.scenes import box, build_tower, scene
 
 
 def start(boxes: dict[str, BoxSpec], **supports: SupportSpec) -> Configuration:
     spec = scene(boxes)
     spec = replace(spec, supports={**spec.supports, **supports})
     world = World(spec)
-    return start_configuration(world, Abstraction(world), PhysicsConfig().create(world), "my.yaml")[0]
+    return start_configuration(world, SceneAbstraction(world), PhysicsConfig().create(world), "my.yaml")[0]
 
 
 def test_a_scene_at_rest_starts_where_it_is() -> None:
-    boxes = {**standing("cyan_box", "yellow_box"), "red_box": box("red_box", (0.5, -0.1, 0.025), (90.0, 0.0, 60.6))}
+    boxes = {**build_tower("cyan_box", "yellow_box"), "red_box": box("red_box", (0.5, -0.1, 0.025), (90.0, 0.0, 60.6))}
     c = start(boxes)
     for name, spec in boxes.items():
         np.testing.assert_allclose(c.poses[name], spec.X_WO, atol=1e-3)
@@ -33,12 +33,12 @@ def test_a_scene_at_rest_starts_where_it_is() -> None:
 @pytest.mark.parametrize(
     ("boxes", "sentence"),
     [
-        ({**standing("cyan_box"), "red_box": box("red_box", (0.52, 0.1, 0.059))}, "cyan_box and red_box overlap"),
+        ({**build_tower("cyan_box"), "red_box": box("red_box", (0.52, 0.1, 0.059))}, "cyan_box and red_box overlap"),
         ({"red_box": box("red_box", (0.5, 0.1, 0.05))}, "overlap by 9 mm"),
         ({"red_box": box("red_box", (0.05, 0.0, 0.059))}, "overlap"),
         ({"red_box": box("red_box", (0.5, 0.1, 0.08))}, r"boxes.red_box.position is \[0.5, 0.1, 0.08\]"),
         ({"red_box": box("red_box", (2.0, 0.1, 0.059))}, "nothing carries the box"),
-        ({**standing("cyan_box"), "red_box": box("red_box", (0.54, 0.1, 0.129))}, "nothing carries the box"),
+        ({**build_tower("cyan_box"), "red_box": box("red_box", (0.54, 0.1, 0.129))}, "nothing carries the box"),
     ],
 )
 def test_a_scene_that_cannot_start_is_refused_in_a_sentence(boxes: dict[str, BoxSpec], sentence: str) -> None:
@@ -49,16 +49,16 @@ def test_a_scene_that_cannot_start_is_refused_in_a_sentence(boxes: dict[str, Box
 def test_a_support_that_the_arm_stands_in_is_refused() -> None:
     wall = SupportSpec("table", (0.35, 0.0, 0.6), size=(0.1, 0.1, 0.5))
     with pytest.raises(IctampError, match=r"my.yaml: (the arm|wall) and (the arm|wall) overlap by \d+ mm"):
-        start(standing("cyan_box"), wall=wall)
+        start(build_tower("cyan_box"), wall=wall)
 
 
 def test_supports_may_stand_in_each_other() -> None:
-    start(standing("cyan_box"), wall=SupportSpec("table", (0.6, 0.4, 0.1), size=(0.1, 0.1, 0.2)))
+    start(build_tower("cyan_box"), wall=SupportSpec("table", (0.6, 0.4, 0.1), size=(0.1, 0.1, 0.2)))
 
 
 def test_a_tower_that_gravity_tears_down_is_refused() -> None:
     """Each box rests on the one below, but the upper two together tip the middle one over."""
-    boxes = standing("cyan_box")
+    boxes = build_tower("cyan_box")
     boxes["yellow_box"] = box("yellow_box", (0.524, 0.1, 0.103))
     boxes["red_box"] = box("red_box", (0.55, 0.1, 0.136 + 0.059))
     with pytest.raises(IctampError, match=r"my.yaml: boxes .*red_box.* fall or move as soon as gravity acts"):

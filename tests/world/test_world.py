@@ -12,7 +12,7 @@ from ictamp_drake.core.types import Configuration, GripperCommand
 from ictamp_drake.models.constants import ARM_LIMITS, GRIPPER_MAX_WIDTH, HOME
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
-from tests.world.scenes import RACK_TOP, SIZES, arranged, far_boxes, pose, scene
+from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, pose, scene
 
 NAMES = sorted(SIZES)
 
@@ -67,7 +67,7 @@ def test_initial_configuration_is_that_of_the_specification(world: World) -> Non
 
 
 def test_top_faces_of_supports_and_boxes(world: World) -> None:
-    c = arranged(world, {"red_box": pose(0.4, 0.1, 0.025, roll=90.0)})
+    c = arrange(world, {"red_box": pose(0.4, 0.1, 0.025, roll=90.0)})
     X_WT = world.X_WT(c, "red_box")
     np.testing.assert_allclose(X_WT.translation(), [0.4, 0.1, 0.05], atol=1e-12)
     np.testing.assert_allclose(sorted(world.top_size(c, "red_box")), [0.05, 0.118])
@@ -83,7 +83,7 @@ def test_top_faces_of_supports_and_boxes(world: World) -> None:
 @pytest.mark.parametrize("yaw", [0.0, 45.0, 90.0, 33.3])
 def test_touches_have_distance_and_direction(world: World, gap: float, yaw: float) -> None:
     """Also of faces that touch exactly, where a distance has no direction by itself."""
-    c = arranged(world, {"cyan_box": pose(0.4, 0.1, 0.035), "yellow_box": pose(0.41, 0.1, 0.103 + gap, yaw=yaw)})
+    c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035), "yellow_box": pose(0.41, 0.1, 0.103 + gap, yaw=yaw)})
     (touch,) = (t for t in world.touches(c, 0.002) if {t.a, t.b} == {"cyan_box", "yellow_box"})
     assert touch.distance == pytest.approx(gap, abs=1e-9)
     up = touch.normal if touch.a == "yellow_box" else -touch.normal
@@ -96,7 +96,7 @@ def test_every_pair_within_the_tolerance_is_found_once(world: World) -> None:
     on_table = [pair for pair in pairs if pair & set(NAMES)]
     assert sorted(on_table, key=sorted) == sorted((frozenset((name, "table")) for name in NAMES), key=sorted)
     X_WO = to_transform(c.poses["red_box"])
-    closer = arranged(
+    closer = arrange(
         world, {"blue_box": np.append(c.poses["blue_box"][:4], X_WO.translation() + [0.0, 0.0505, -0.006])}
     )
     found = {frozenset((t.a, t.b)): t.distance for t in world.touches(closer, 0.002)}
@@ -114,6 +114,6 @@ def test_faces_that_all_but_touch_have_a_direction(
 ) -> None:
     """Faces nearer than 1e-7 m and nearly parallel make general collision algorithms guess or give up."""
     poses = {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4, 0.1, 0.129 + gap, roll=roll, pitch=pitch, yaw=yaw)}
-    (touch,) = (t for t in world.touches(arranged(world, poses), 0.002) if {t.a, t.b} == set(poses))
+    (touch,) = (t for t in world.touches(arrange(world, poses), 0.002) if {t.a, t.b} == set(poses))
     assert touch.distance == pytest.approx(gap, abs=1e-6)
     np.testing.assert_allclose(touch.normal * (1 if touch.a == "red_box" else -1), [0, 0, 1], atol=1e-3)

@@ -6,25 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from ictamp_drake.models.sdf_text import Colour
+from ictamp_drake.models.sdf_text import Color
 from tools.panda.surface import Mesh
 
 _FLOAT, _UNSIGNED_SHORT = 5126, 5123
 _VERTICES, _INDICES = 34962, 34963
 
 
-def gltf(mesh: Mesh, colour: Colour, roughness: float) -> str:
+def gltf(mesh: Mesh, color: Color, roughness: float) -> str:
     """Text of a glTF 2.0 file of one mesh.
 
     glTF's y axis is up, so that Drake reads (x, z, -y) as the point (x, y, z) of a link.
 
     Args:
         mesh: at most 65,536 vertices.
-        colour: red, green, blue in [0, 1].
+        color: red, green, blue in [0, 1].
         roughness: in [0, 1].
     """
-    points = _turned(mesh.vertices, 5)
-    arrays = [points, _turned(mesh.normals, 3), mesh.triangles.astype("<u2").ravel()]
+    points = _turn_y_up(mesh.vertices, 5)
+    arrays = [points, _turn_y_up(mesh.normals, 3), mesh.triangles.astype("<u2").ravel()]
     sizes = [array.nbytes for array in arrays]
     blob = b"".join(array.tobytes() for array in arrays)
     views = [
@@ -37,7 +37,7 @@ def gltf(mesh: Mesh, colour: Colour, roughness: float) -> str:
         {"bufferView": 1, "count": len(points), "componentType": _FLOAT, "type": "VEC3"},
         {"bufferView": 2, "count": arrays[2].size, "componentType": _UNSIGNED_SHORT, "type": "SCALAR"},
     ]
-    look = {"baseColorFactor": [*colour, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness}
+    look = {"baseColorFactor": [*color, 1.0], "metallicFactor": 0.0, "roughnessFactor": roughness}
     document = {
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -56,5 +56,5 @@ def _data_uri(blob: bytes) -> str:
     return f"data:application/octet-stream;base64,{base64.b64encode(blob).decode()}"
 
 
-def _turned(vectors: np.ndarray, digits: int) -> np.ndarray:
+def _turn_y_up(vectors: np.ndarray, digits: int) -> np.ndarray:
     return np.round(vectors[:, [0, 2, 1]] * (1.0, 1.0, -1.0), digits).astype("<f4") + np.float32(0.0)

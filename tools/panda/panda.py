@@ -47,7 +47,7 @@ def _link(name: str, placement: str) -> str:
     shapes = panda_collision.LINKS[name]
     children = [placement, inertial(constants.INERTIALS[name])]
     children += [collision(shape, contact.BODY) for shape in shapes]
-    children += [visual(accent, colour) for accent, colour in panda_visual.LINKS[name].accents]
+    children += [visual(accent, color) for accent, color in panda_visual.LINKS[name].accents]
     children.append(mesh_visual(f"package://ictamp_drake/sdf/{name}.gltf"))
     return element("link", children, name=name)
 

@@ -4,13 +4,13 @@ import math
 from typing import NamedTuple
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.sdf_text import Colour, Shape
+from ictamp_drake.models.sdf_text import Color, Shape
 from tools.panda.gltf import gltf
 from tools.panda.surface import Distance, Vector, blend, cylinder, dome, intersect, rounded_box, triangulate
 
-WHITE: Colour = (0.86, 0.87, 0.88)
-GREY: Colour = (0.5, 0.51, 0.53)
-DARK: Colour = (0.15, 0.15, 0.16)
+WHITE: Color = (0.86, 0.87, 0.88)
+GREY: Color = (0.5, 0.51, 0.53)
+DARK: Color = (0.15, 0.15, 0.16)
 
 LIMB = 0.055
 """Radius of the upper limbs [m]."""
@@ -26,10 +26,10 @@ class Look(NamedTuple):
     lower: Vector
     upper: Vector
     step: float
-    accents: tuple[tuple[Shape, Colour], ...]
+    accents: tuple[tuple[Shape, Color], ...]
 
 
-def _standing(body: Distance) -> Distance:
+def _cut_at_ground(body: Distance) -> Distance:
     """The part of the body above z = 0."""
 
     def distance(points: FloatArray) -> FloatArray:
@@ -38,7 +38,7 @@ def _standing(body: Distance) -> Distance:
     return distance
 
 
-BASE = _standing(
+BASE = _cut_at_ground(
     blend(
         (
             dome((0.0, 0.0, 0.14), (0.0, 0.0, -0.1), LIMB),

@@ -44,7 +44,7 @@ class Probe:
         plant.Finalize()
         self._context = builder.Build().CreateDefaultContext()
 
-    def touching(self, q: FloatArray) -> frozenset[Pair]:
+    def touching_pairs(self, q: FloatArray) -> frozenset[Pair]:
         """Pairs of links that touch at the joint positions q, shape (9,)."""
         self.plant.SetPositions(self.plant.GetMyContextFromRoot(self._context), self._panda, q)
         query: QueryObject = self.scene_graph.get_query_output_port().Eval(
@@ -70,7 +70,7 @@ def shares(sdf: str, samples: int, seed: int) -> dict[Pair, float]:
     probe, rng = Probe(sdf), np.random.default_rng(seed)
     counts: Counter[Pair] = Counter()
     for _ in range(samples):
-        counts.update(probe.touching(probe.random_positions(rng)))
+        counts.update(probe.touching_pairs(probe.random_positions(rng)))
     return {pair: counts[pair] / samples for pair in combinations(sorted(INERTIALS), 2)}
 
 

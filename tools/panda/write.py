@@ -14,7 +14,7 @@ FOLDER = Path(__file__).parents[2] / "ictamp_drake" / "models" / "sdf"
 def contents() -> dict[str, str]:
     """Text of every file in `sdf/` by its name."""
     boxes = {
-        f"{name}.sdf": shapes.box_sdf(name, size, shapes.BOX_MASS, OBJECT.friction, shapes.BOX_COLOURS[name])
+        f"{name}.sdf": shapes.box_sdf(name, size, shapes.BOX_MASS, OBJECT.friction, shapes.BOX_COLORS[name])
         for name, size in shapes.BOX_SIZES.items()
     }
     supports = {

@@ -87,13 +87,13 @@ class TrajectoryOptimizer:
         fractions = np.array([self.config.velocity, self.config.acceleration, self.config.jerk])
         self.bounds = limits[:, 2:5].T * fractions[:, None]
         """Largest velocity, acceleration and jerk of each joint, shape (3, 7) [rad/s, rad/s^2, rad/s^3]."""
-        self._programs: dict[tuple[int, int], _Program] = {}
+        self._programs: dict[tuple[int, int], _TrajectoryProgram] = {}
 
-    def free(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
+    def connect(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
         """From q0 to q1, both of shape (7,) [rad], whatever is in the way."""
-        return self.around(self.follow(np.array([q0, q1]), self.config.control_points), np.inf)
+        return self.adjust(self.follow(np.array([q0, q1]), self.config.control_points), np.inf)
 
-    def along(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
+    def follow_corridor(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
         """Through the corridor around a path from its first to its last row.
 
         Args:
@@ -111,17 +111,17 @@ class TrajectoryOptimizer:
             control_points: of the spline, at least `LEAST_POINTS`.
         """
         efforts = (np.abs(np.diff(path, axis=0)) / self.bounds[1]).max(axis=1)  # what limits short ways is acceleration
-        points = _interpolated(path, efforts, paces(control_points, self.config.order))
+        points = _interpolate_path(path, efforts, paces(control_points, self.config.order))
         durations = self.shortest_durations(points)
         best = int(np.argmin(durations))
         return self._trajectory(points[best], float(durations[best]))
 
-    def around(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
+    def adjust(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
         """Like a trajectory, its control points moved by at most `radius` [rad] so that it meets the demands."""
         return self._solve(trajectory.control_points, radius, demands)
 
     def _solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
-        """As `_Program.solve`. Limits of jerk, a third of the work, are heeded only where they are broken otherwise."""
+        """As `_TrajectoryProgram.solve`; limits of jerk, a third of the work, are heeded only if broken otherwise."""
         for limits in (2, 3):
             points = self._program(len(guess), limits).solve(guess, radius, demands)
             duration = float(self.shortest_durations(points))
@@ -132,9 +132,9 @@ class TrajectoryOptimizer:
     def _trajectory(self, points: FloatArray, duration: float) -> Trajectory:
         return Trajectory(self.config.order, knots(len(points), self.config.order) * duration, points)
 
-    def _program(self, control_points: int, limits: int) -> "_Program":
+    def _program(self, control_points: int, limits: int) -> "_TrajectoryProgram":
         if (control_points, limits) not in self._programs:
-            self._programs[control_points, limits] = _Program(self, control_points, limits)
+            self._programs[control_points, limits] = _TrajectoryProgram(self, control_points, limits)
         return self._programs[control_points, limits]
 
     def shortest_durations(self, points: FloatArray, limits: int = 3) -> FloatArray:
@@ -152,7 +152,7 @@ class TrajectoryOptimizer:
         return found
 
 
-class _Program:
+class _TrajectoryProgram:
     def __init__(self, optimizer: TrajectoryOptimizer, control_points: int, limits: int) -> None:
         self._optimizer, self._limits = optimizer, limits
         config = optimizer.config
@@ -220,10 +220,10 @@ def _profile(n: int) -> FloatArray:
 
 def _spread(path: FloatArray, shares: FloatArray) -> FloatArray:
     """Points at shares of the path's length, shape (n, 7)."""
-    return _interpolated(path, np.linalg.norm(np.diff(path, axis=0), axis=1), shares)
+    return _interpolate_path(path, np.linalg.norm(np.diff(path, axis=0), axis=1), shares)
 
 
-def _interpolated(path: FloatArray, lengths: FloatArray, shares: FloatArray) -> FloatArray:
+def _interpolate_path(path: FloatArray, lengths: FloatArray, shares: FloatArray) -> FloatArray:
     """Points at shares of a path's length, shape (...) -> (..., 7), when its pieces count as so long."""
     places = np.append(0.0, np.cumsum(lengths))
     return np.stack([np.interp(shares * places[-1], places, column) for column in path.T], axis=-1)

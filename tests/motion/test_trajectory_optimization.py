@@ -9,8 +9,8 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS, HOME
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
-from ictamp_drake.motion.optimization import HalfSpace, TrajectoryConfig, TrajectoryOptimizer
 from ictamp_drake.motion.trajectory import Trajectory
+from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryConfig, TrajectoryOptimizer
 
 OPTIMIZER = TrajectoryOptimizer()
 shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7).map(np.array)
@@ -44,7 +44,7 @@ def check_rest(trajectory: Trajectory) -> None:
 @given(shares, shares)
 def test_free_obeys_the_limits_and_ends_at_rest(share0: FloatArray, share1: FloatArray) -> None:
     q0, q1 = (LOWER + share * (UPPER - LOWER) for share in (share0, share1))
-    trajectory = OPTIMIZER.free(q0, q1)
+    trajectory = OPTIMIZER.connect(q0, q1)
     np.testing.assert_array_equal([trajectory.start, trajectory.end], [q0, q1])
     check_rest(trajectory)
     check_limits(trajectory, OPTIMIZER.config)
@@ -53,7 +53,7 @@ def test_free_obeys_the_limits_and_ends_at_rest(share0: FloatArray, share1: Floa
 paths = st.lists(st.tuples(shares, st.floats(0, 0.02)), min_size=1, max_size=5)
 
 
-def crooked(share: FloatArray, pieces: list[tuple[FloatArray, float]]) -> FloatArray:
+def crooked_path(share: FloatArray, pieces: list[tuple[FloatArray, float]]) -> FloatArray:
     """A path within the limits that turns at every point, shape (m, 7)."""
     path = [LOWER + share * (UPPER - LOWER)]
     for towards, part in pieces:
@@ -65,7 +65,7 @@ def crooked(share: FloatArray, pieces: list[tuple[FloatArray, float]]) -> FloatA
 def test_following_a_path_obeys_the_limits_and_ends_at_rest(
     share: FloatArray, pieces: list[tuple[FloatArray, float]], config: TrajectoryConfig
 ) -> None:
-    path = crooked(share, pieces)
+    path = crooked_path(share, pieces)
     trajectory = TrajectoryOptimizer(config).follow(path, 14)
     np.testing.assert_array_equal([trajectory.start, trajectory.end], path[[0, -1]])
     check_rest(trajectory)
@@ -80,11 +80,11 @@ def test_following_a_path_keeps_all_control_points_on_it() -> None:
 
 
 @pytest.mark.parametrize("config", [TrajectoryConfig(), FAST])
-def test_following_a_path_takes_no_longer_than_optimising_in_a_narrow_corridor(config: TrajectoryConfig) -> None:
+def test_following_a_path_takes_no_longer_than_optimizing_in_a_narrow_corridor(config: TrajectoryConfig) -> None:
     optimizer = TrajectoryOptimizer(config)
     for step in STEPS[1:]:
         path = HOME + np.linspace(0.0, 0.3, 5)[:, None] * step
-        assert optimizer.follow(path, 14).duration <= optimizer.along(path, 0.0025, 14).duration
+        assert optimizer.follow(path, 14).duration <= optimizer.follow_corridor(path, 0.0025, 14).duration
 
 
 @pytest.mark.parametrize("jerk", [0.002, 0.05])
@@ -92,8 +92,8 @@ def test_limits_of_jerk_are_heeded_where_they_matter(jerk: float) -> None:
     """Without them the quickest trajectory would break the lower ones."""
     config = TrajectoryConfig(jerk=jerk)
     for trajectory in (
-        TrajectoryOptimizer(config).free(HOME, HOME + STEPS[2]),
-        TrajectoryOptimizer(config).along(HOME + STEPS, 0.1, 18),
+        TrajectoryOptimizer(config).connect(HOME, HOME + STEPS[2]),
+        TrajectoryOptimizer(config).follow_corridor(HOME + STEPS, 0.1, 18),
     ):
         parts = check_limits(trajectory, config).max(axis=1)
         assert (parts[2] > 0.6) == (jerk == 0.002)
@@ -101,15 +101,15 @@ def test_limits_of_jerk_are_heeded_where_they_matter(jerk: float) -> None:
 
 
 def test_free_uses_the_limits() -> None:
-    trajectory = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    trajectory = OPTIMIZER.connect(HOME, HOME + STEPS[2])
     assert check_limits(trajectory, OPTIMIZER.config).max(axis=1).max() > 0.9
 
 
 def test_slower_configuration_takes_longer() -> None:
     slow = TrajectoryConfig(velocity=0.1, acceleration=0.1)
-    trajectory = TrajectoryOptimizer(slow).free(HOME, HOME + STEPS[2])
+    trajectory = TrajectoryOptimizer(slow).connect(HOME, HOME + STEPS[2])
     check_limits(trajectory, slow)
-    assert trajectory.duration > 2 * OPTIMIZER.free(HOME, HOME + STEPS[2]).duration
+    assert trajectory.duration > 2 * OPTIMIZER.connect(HOME, HOME + STEPS[2]).duration
 
 
 @pytest.mark.parametrize("part", ["velocity", "acceleration", "jerk"])
@@ -122,14 +122,14 @@ def test_parts_of_the_limits_are_more_than_nothing_and_at_most_all(part: str, va
 def test_splines_of_every_order_that_is_allowed_obey_the_limits() -> None:
     for order, points in ((4, 7), (7, 7), (4, 20), (7, 20)):
         config = TrajectoryConfig(order=order, control_points=points, velocity=1.0)
-        check_limits(TrajectoryOptimizer(config).free(HOME, HOME + STEPS[2]), config)
+        check_limits(TrajectoryOptimizer(config).connect(HOME, HOME + STEPS[2]), config)
     for order in (0, 3, 8):
         with pytest.raises(IctampError, match=f"order is {order}, but must be between 4 and 7"):
             TrajectoryConfig(order=order)
 
 
 def test_nowhere_to_go_takes_almost_no_time() -> None:
-    trajectory = OPTIMIZER.free(HOME, HOME)
+    trajectory = OPTIMIZER.connect(HOME, HOME)
     assert 0 < trajectory.duration < 0.01
     np.testing.assert_allclose(trajectory.positions(np.array([0.0, trajectory.duration])), [HOME, HOME])
 
@@ -137,7 +137,7 @@ def test_nowhere_to_go_takes_almost_no_time() -> None:
 @pytest.mark.parametrize(("radius", "points"), [(0.02, 30), (0.1, 18), (0.3, 14)])
 def test_along_stays_in_the_corridor(radius: float, points: int) -> None:
     path = HOME + STEPS
-    trajectory = OPTIMIZER.along(path, radius, points)
+    trajectory = OPTIMIZER.follow_corridor(path, radius, points)
     check_rest(trajectory)
     check_limits(trajectory, OPTIMIZER.config)
     shares = np.linspace(0, 1, 500)[:, None]
@@ -147,34 +147,34 @@ def test_along_stays_in_the_corridor(radius: float, points: int) -> None:
 
 
 def test_wider_corridor_is_not_slower() -> None:
-    durations = [OPTIMIZER.along(HOME + STEPS, radius, 14).duration for radius in (0.01, 0.1, 0.5)]
+    durations = [OPTIMIZER.follow_corridor(HOME + STEPS, radius, 14).duration for radius in (0.01, 0.1, 0.5)]
     assert durations[0] > durations[1] > durations[2]
 
 
 def test_around_meets_demands_that_the_trajectory_did_not() -> None:
-    trajectory = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    trajectory = OPTIMIZER.connect(HOME, HOME + STEPS[2])
     normal = np.eye(7)[3]
     middle = np.array([trajectory.duration / 2])
     offset = float(trajectory.positions(middle)[0, 3]) + 0.1
-    moved = OPTIMIZER.around(trajectory, 0.3, [HalfSpace(0.5, normal, offset)])
+    moved = OPTIMIZER.adjust(trajectory, 0.3, [HalfSpace(0.5, normal, offset)])
     assert moved.positions(np.array([moved.duration / 2]))[0, 3] >= offset - 1e-5
     np.testing.assert_array_equal([moved.start, moved.end], [trajectory.start, trajectory.end])
     check_rest(moved)
     check_limits(moved, OPTIMIZER.config)
-    again = OPTIMIZER.free(HOME, HOME + STEPS[2])
+    again = OPTIMIZER.connect(HOME, HOME + STEPS[2])
     np.testing.assert_array_equal(again.control_points, trajectory.control_points)  # the demand is forgotten
 
 
 def test_demands_out_of_reach_leave_a_valid_trajectory() -> None:
-    trajectory = OPTIMIZER.free(HOME, HOME + STEPS[2])
-    moved = OPTIMIZER.around(trajectory, 0.05, [HalfSpace(0.5, np.eye(7)[0], 50.0)])
+    trajectory = OPTIMIZER.connect(HOME, HOME + STEPS[2])
+    moved = OPTIMIZER.adjust(trajectory, 0.05, [HalfSpace(0.5, np.eye(7)[0], 50.0)])
     assert np.abs(moved.control_points - trajectory.control_points).max() <= 0.05 + 1e-9
     check_limits(moved, OPTIMIZER.config)
 
 
 def test_history_does_not_change_the_result() -> None:
-    fresh = TrajectoryOptimizer().free(HOME, HOME + STEPS[1])
+    fresh = TrajectoryOptimizer().connect(HOME, HOME + STEPS[1])
     used = TrajectoryOptimizer()
-    used.free(HOME + STEPS[2], HOME)
-    used.along(HOME + STEPS, 0.1, 14)
-    np.testing.assert_array_equal(used.free(HOME, HOME + STEPS[1]).control_points, fresh.control_points)
+    used.connect(HOME + STEPS[2], HOME)
+    used.follow_corridor(HOME + STEPS, 0.1, 14)
+    np.testing.assert_array_equal(used.connect(HOME, HOME + STEPS[1]).control_points, fresh.control_points)

@@ -30,7 +30,7 @@ UPRIGHT_ANGLE = 1e-3
 
 
 @dataclass(frozen=True)
-class OptimisationConfig:
+class OptimizationConfig:
     """How programs are posed.
 
     Attributes:
@@ -91,20 +91,20 @@ class OptimisationConfig:
         )
 
     @property
-    def tight(self) -> "OptimisationConfig":
+    def tight(self) -> "OptimizationConfig":
         """For grasps where there is hardly room for the fingers: in the middle, square, not deep."""
         offset, depth = (self.grip_offset[0], 1e-4), (self.depth[0], self.depth[0] + 0.004)
         return replace(self, grip_offset=offset, depth=depth, turn=1e-3, play=CLEARANCES[-1], clearance=0.0)
 
-    def create(self, world: World, arm: ArmKinematics) -> "OptimisationSampler":
+    def create(self, world: World, arm: ArmKinematics) -> "OptimizationSampler":
         """The sampler for one scene."""
-        return OptimisationSampler(world, arm, self)
+        return OptimizationSampler(world, arm, self)
 
 
-class OptimisationSampler:
+class OptimizationSampler:
     """Draws k by solving randomly restarted programs with SNOPT."""
 
-    def __init__(self, world: World, arm: ArmKinematics, config: OptimisationConfig) -> None:
+    def __init__(self, world: World, arm: ArmKinematics, config: OptimizationConfig) -> None:
         self._world = world
         self._arm = arm
         self._config = config
@@ -124,7 +124,7 @@ class OptimisationSampler:
         box, other = action.args
         if action.name == "place":
             return neighbours(self._world, c, {box, other}, self._world.X_WT(c, other).translation()[2])
-        lying = self._world.upright(c, box)
+        lying = self._world.upright_frame(c, box)
         lowest = lying.X_WT.translation()[2] - min(self._config.depth[1], lying.size[2] - self._config.ground)
         return neighbours(self._world, c, {box}, lowest - TIP)
 
@@ -134,7 +134,7 @@ class OptimisationSampler:
         action: Action,
         rng: np.random.Generator,
         around: Sequence[Neighbour],
-        config: OptimisationConfig,
+        config: OptimizationConfig,
     ) -> Parameter | None:
         box, other = action.args
         if action.name == "pick":
@@ -144,7 +144,7 @@ class OptimisationSampler:
         X_WG = self._solve(lambda: self._placement(c, action, X_GB, around, rng), rng)
         return None if X_WG is None else placement_parameter(self._world, c, other, X_GB, X_WG)
 
-    def _solve(self, pose: Callable[[], "_Program | None"], rng: np.random.Generator) -> RigidTransform | None:
+    def _solve(self, pose: Callable[[], "_HandProgram | None"], rng: np.random.Generator) -> RigidTransform | None:
         """X_WG of the first of several random programs that has a solution."""
         for _ in range(self._config.restarts):
             program = pose()
@@ -159,10 +159,10 @@ class OptimisationSampler:
         box: str,
         around: Sequence[Neighbour],
         rng: np.random.Generator,
-        config: OptimisationConfig,
-    ) -> "_Program | None":
+        config: OptimizationConfig,
+    ) -> "_HandProgram | None":
         """Fingers along one of the box's faces, G near its middle, neither too high nor too deep."""
-        lying = self._world.upright(c, box)
+        lying = self._world.upright_frame(c, box)
         quarters = [m for m in range(4) if lying.size[1 - m % 2] <= config.max_width]
         if not quarters:
             return None
@@ -174,7 +174,7 @@ class OptimisationSampler:
         upper = np.array([*config.grip_offset, heights[1]])
         quarter = rng.choice(quarters)
         R_UM = RotationMatrix.MakeZRotation(quarter * np.pi / 2)
-        program = _Program(self._arm, config, lying.X_WU @ RigidTransform(R_UM, np.zeros(3)))
+        program = _HandProgram(self._arm, config, lying.X_WU @ RigidTransform(R_UM, np.zeros(3)))
         aim = rng.uniform(lower, upper)
         program.keep_inside(lower, upper, aim, np.zeros(3))
         program.align(R_DOWN, RotationMatrix())
@@ -193,11 +193,11 @@ class OptimisationSampler:
         X_GB: RigidTransform,
         around: Sequence[Neighbour],
         rng: np.random.Generator,
-    ) -> "_Program | None":
+    ) -> "_HandProgram | None":
         """Just above the top face: inside a support's face where there is room, in the middle of a box."""
         box, receptacle = action.args
         config, X_WT = self._config, self._world.X_WT(c, receptacle)
-        radius = float(np.linalg.norm(self._world.upright(c, box).size[:2])) / 2
+        radius = float(np.linalg.norm(self._world.upright_frame(c, box).size[:2])) / 2
         on_box = receptacle in self._world.spec.boxes
         bound = np.full(2, config.overhang) if on_box else self._world.top_size(c, receptacle) / 2 - radius
         if np.any(bound < 0):
@@ -205,7 +205,7 @@ class OptimisationSampler:
         spot = rng.uniform(-bound, bound) if on_box else self._free_spot(X_WT, bound, around, radius, rng)
         if spot is None:
             return None
-        program = _Program(self._arm, config, X_WT)
+        program = _HandProgram(self._arm, config, X_WT)
         lower, upper = np.append(-bound, config.height[0]), np.append(bound, config.height[1])
         program.keep_inside(lower, upper, np.append(spot, np.mean(config.height)), X_GB.translation())
         if on_box:
@@ -232,14 +232,14 @@ class OptimisationSampler:
         return free_spot(near, X_WT, around, radius + config.clearance, config.room)
 
 
-class _Program:
+class _HandProgram:
     """Inverse kinematics of G against a frame A, which the aims, bounds and directions of k are given in."""
 
-    def __init__(self, arm: ArmKinematics, config: OptimisationConfig, X_WA: RigidTransform) -> None:
+    def __init__(self, arm: ArmKinematics, config: OptimizationConfig, X_WA: RigidTransform) -> None:
         self.X_WA = X_WA
         self._arm = arm
         self._config = config
-        self._comfort = arm.comfortable(X_WA)
+        self._comfort = arm.comfortable_posture(X_WA)
         self._world = arm.plant.world_frame()
         self._grasp = arm.plant.GetFrameByName("grasp")
         self._target = arm.plant.GetFrameByName("target")
