@@ -7,6 +7,7 @@ import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class ConstantConfig:
         if not 0 <= self.P <= 1:
             raise IctampError(f"P of the constant estimator is {self.P}, but must lie between 0 and 1.")
 
-    def create(self, world: object = None, skills: object = None) -> "Constant":  # noqa: ARG002  (as for the others)
+    def create(self, _: EstimatorContext) -> "Constant":
         """The estimator, the same in every scene."""
         return Constant(self.P)
 

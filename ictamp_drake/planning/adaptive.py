@@ -12,7 +12,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig, Mean
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -38,9 +38,9 @@ class AdaptiveConfig:
             if not getattr(self, name) >= 0:
                 raise IctampError(f"{name} of adaptive allocation is {getattr(self, name)}, but must be 0 or more.")
 
-    def create(self, estimator: Estimator[C]) -> "Adaptive[C]":
+    def create(self, context: RuleContext[C]) -> "Adaptive[C]":
         """The rule for one search."""
-        return Adaptive(self, Beliefs(self.beliefs, estimator))
+        return Adaptive(self, Beliefs(self.beliefs, context.estimator))
 
 
 class Adaptive(Generic[C]):
@@ -60,7 +60,7 @@ class Adaptive(Generic[C]):
         self._openings: defaultdict[frozenset[Obstruction], _Openings] = defaultdict(_Openings)
         self._asked: frozenset[Obstruction] = frozenset()
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
         """The next computational action."""
         runs = tree.runs
         if not runs:

@@ -17,7 +17,7 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import ask_estimator
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -57,9 +57,9 @@ class ElsConfig:
         if self.floor > 1:
             raise IctampError(f"floor of els is {self.floor}, but must be at most 1.")
 
-    def create(self, estimator: Estimator[C]) -> "Els[C]":
+    def create(self, context: RuleContext[C]) -> "Els[C]":
         """The rule for one search."""
-        return Els(self, estimator)
+        return Els(self, context.estimator)
 
 
 class _Branch(NamedTuple):
@@ -107,7 +107,7 @@ class Els(Generic[C]):
         self._at_work: _Work | None = None
         self._wait(_Branch(config.eps, OpenPlan(), 1.0))
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
         """Take in what became of the last choice, and serve the least node."""
         if self._at_work is not None:
             self._take_in(tree, self._at_work)

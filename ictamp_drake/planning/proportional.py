@@ -7,7 +7,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -37,9 +37,9 @@ class ProportionalConfig:
             if not getattr(self, name) >= 0:
                 raise IctampError(f"{name} of the selection rule is {getattr(self, name)}, but must be 0 or more.")
 
-    def create(self, estimator: Estimator[C]) -> "Proportional[C]":
+    def create(self, context: RuleContext[C]) -> "Proportional[C]":
         """The rule for one search."""
-        return Proportional(self, estimator)
+        return Proportional(self, context.estimator)
 
 
 class Proportional(Generic[C]):

@@ -1,11 +1,9 @@
-"""What a selection rule is: it reads the tree and says which computational action comes next."""
+"""What a selection rule is made from and what it answers: it reads the tree and says what is computed next."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-import numpy as np
-
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext, SelectionRule
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.tree import RunStep, Tree
 
@@ -23,21 +21,15 @@ class OpenPlan:
 
 
 Option = OpenPlan | RunStep
+"""A computational action."""
+
+Rule = SelectionRule[Tree[C], Option]
+"""A selection rule for trees of configurations C."""
 
 
-class SelectionRule(Protocol[C]):
-    """A search strategy. One rule serves one search, so it may remember what it computed for a node."""
-
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """The next computational action.
-
-        Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
-        plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
-        """
-
-
+@runtime_checkable
 class RuleConfig(Protocol):
-    """Configuration of a selection rule."""
+    """Configuration of a selection rule, for trees of any configurations."""
 
-    def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
+    def create(self, context: RuleContext[C], /) -> Rule[C]:
         """The rule for one search."""

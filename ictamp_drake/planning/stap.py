@@ -1,13 +1,14 @@
 """STAP's way (Agia et al. 2023) as a selection rule: optimise whole plans first, then execute the best."""
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Generic
 
 import numpy as np
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import Estimator, PlanOptimizer
+from ictamp_drake.core.protocols import PlanOptimizer, RuleContext
 from ictamp_drake.core.types import C, FloatArray
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
@@ -34,15 +35,20 @@ class StapConfig:
             if getattr(self, name) < least:
                 raise IctampError(f"{name} of stap is {getattr(self, name)}, but must be {least} or more.")
 
-    def create(self, estimator: Estimator[C]) -> "Stap[C]":
+    @property
+    def estimator(self) -> tuple[str, Mapping[str, object]]:
+        """STAP's objective, sought as these constants say."""
+        return "q-value", {"horizon": "plan", "best": True, "draws": self.draws, "refinements": self.iterations}
+
+    def create(self, context: RuleContext[C]) -> "Stap[C]":
         """The rule for one search.
 
         Raises:
             TypeError: the estimator is no `PlanOptimizer`.
         """
-        if not isinstance(estimator, PlanOptimizer):
-            raise TypeError(f"{type(estimator).__name__} does not optimize plans")
-        return Stap(self, estimator)
+        if not isinstance(context.estimator, PlanOptimizer):
+            raise TypeError(f"{type(context.estimator).__name__} does not optimize plans")
+        return Stap(self, context.estimator)
 
 
 class Stap(Generic[C]):

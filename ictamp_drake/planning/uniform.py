@@ -5,7 +5,7 @@ from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Tree
@@ -15,7 +15,7 @@ from ictamp_drake.planning.tree import Tree
 class UniformAllocationConfig:
     """Nothing to choose."""
 
-    def create(self, estimator: Estimator[C]) -> "UniformAllocation[C]":  # noqa: ARG002  (the same for all rules)
+    def create(self, _: RuleContext[C]) -> "UniformAllocation[C]":
         """The rule for one search."""
         return UniformAllocation()
 

@@ -3,25 +3,16 @@
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
+from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorConfig, EstimatorContext
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.learning.checkpoint import SKILLS, load, name_of
-from ictamp_drake.world.world import World
-
-
-class Contender(Protocol):
-    """The configuration of an estimator that does not need to run skills."""
-
-    def create(self, world: World) -> Estimator[Configuration]:
-        """The estimator for one scene."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +62,7 @@ class KnownRates:
 
     rates: Mapping[str, float]
 
-    def create(self, world: object = None) -> "KnownRates":  # noqa: ARG002  (the same for all estimators)
+    def create(self, _: EstimatorContext) -> "KnownRates":
         """Itself, the same in every scene."""
         return self
 
@@ -80,7 +71,7 @@ class KnownRates:
         return np.array([self.rates[plan.actions[0].name] for _, plan in options])
 
 
-def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, Contender]:
+def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, EstimatorConfig]:
     """P, STAP's Q of a single draw and other ways of reading the critics, P over fewer k, and the base rate, by name.
 
     Args:

@@ -4,26 +4,12 @@ import math
 from collections import deque
 from collections.abc import Collection, Iterator
 from functools import cache
-from typing import Protocol
 
+from ictamp_drake.core.protocols import Guide
 from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import MOVED, held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.masks import Masks
-
-
-class Guide(Protocol):
-    """What `skeletons.PlanStream` orders its paths by."""
-
-    @property
-    def horizon(self) -> float:
-        """Plans of up to this many actions are ordered rightly; raised by `grow`."""
-
-    def estimate_distance(self, state: State) -> float:
-        """Actions from the state to the goal, as far as known; infinite when no way is known."""
-
-    def grow(self) -> None:
-        """Expand one state to learn more; called only while the horizon is finite."""
 
 
 class BreadthFirstDistance:

@@ -11,11 +11,12 @@ from heapq import heappop, heappush, heapreplace
 from typing import NamedTuple, Optional
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.protocols import PlanGenerator
+from ictamp_drake.core.protocols import Guide, PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount, Patience
+from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount, Patience
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,9 @@ class BreadthFirst:
         if not self.patience >= 1:
             raise IctampError(f"patience of the breadth-first search is {self.patience}, but must be 1 or more.")
 
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """A stream of plans from `initial` to states that hold `goal`."""
+    def create(self, context: GeneratorContext) -> PlanGenerator:
+        """A stream of plans from the initial state to states that hold the goal."""
+        domain, initial, goal = context.domain, context.initial, context.goal
         distance, moves = BreadthFirstDistance(domain, initial, goal), MoveCount(domain, goal, weight=1.0)
         return Detours(domain, initial, goal, Patience(distance, moves, self.patience))
 
@@ -54,9 +56,10 @@ class BestFirst:
         if not 0 <= self.weight < math.inf:
             raise IctampError(f"weight of the best-first search is {self.weight}, but must be 0 or more and finite.")
 
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """A stream of plans from `initial` to states that hold `goal`."""
-        return Detours(domain, initial, goal, MoveCount(domain, goal, self.weight))
+    def create(self, context: GeneratorContext) -> PlanGenerator:
+        """A stream of plans from the initial state to states that hold the goal."""
+        domain, goal = context.domain, context.goal
+        return Detours(domain, context.initial, goal, MoveCount(domain, goal, self.weight))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Mapping
 
 from ictamp_drake.core.types import Atom, Configuration, State
-from ictamp_drake.world.predicates import Evaluation, PredicateConfig, Scene
+from ictamp_drake.world.config import PredicateConfig
+from ictamp_drake.world.predicates import Evaluation, Scene
 from ictamp_drake.world.world import World
 
 
