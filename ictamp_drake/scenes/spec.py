@@ -7,17 +7,19 @@ Whether boxes overlap or float, and what the goal means, is checked in the rooms
 import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
-from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.checks import check_choice, check_names, check_range, check_vector
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import build, parse, read_text
 from ictamp_drake.core.types import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Vector = tuple[float, float, float]
 
@@ -115,17 +117,13 @@ class BoxSpec:
         self._check_width()
 
     def _check_width(self) -> None:
-        upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
+        upright = int(np.argmax(np.abs(_rotation(self.rotation).as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
         if width > GRIPPER_WIDTH:
             raise IctampError(
                 f"size is {list(self.size)}: too wide for the gripper, which needs a horizontal side "
                 f"of at most {GRIPPER_WIDTH} m where the narrowest one is {width:g} m"
             )
-
-    @property
-    def _rotation(self) -> Rotation:
-        return Rotation.from_euler("xyz", self.rotation, degrees=True)
 
     @property
     def X_WO(self) -> FloatArray:
@@ -230,5 +228,10 @@ def _to_plain(value: Any) -> Any:
 
 
 def _pose(rotation: Vector, position: Vector) -> FloatArray:
-    quaternion = Rotation.from_euler("xyz", rotation, degrees=True).as_quat(canonical=True, scalar_first=True)
-    return np.concatenate([quaternion, position])
+    return np.concatenate([_rotation(rotation).as_quat(canonical=True, scalar_first=True), position])
+
+
+def _rotation(rotation: Vector) -> "Rotation":
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415  (takes long to load, and no help needs it)
+
+    return Rotation.from_euler("xyz", rotation, degrees=True)

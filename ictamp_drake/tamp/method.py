@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, get_args
 import tyro
 
 from ictamp_drake.core.checks import check_choice, check_range
-from ictamp_drake.core.protocols import Learned, NeedsEstimator
+from ictamp_drake.core.protocols import Config, Learned, NeedsEstimator
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
@@ -125,7 +125,13 @@ def describe_choices(names: tuple[str, ...]) -> Any:
 def _describe_part(option: str, known: Iterable[str]) -> Any:
     """How the help shows an option that takes the name of a part; installed ones are among them."""
     names = ",".join([*known, *load_installed(option), "MODULE:CLASS"])
-    return tyro.conf.arg(metavar=f"{{{names}}}", constructor=str)
+    return tyro.constructors.PrimitiveConstructorSpec(
+        nargs=1,
+        metavar=f"{{{names}}}",
+        instance_from_str=lambda arguments: arguments[0],
+        is_instance=lambda part: isinstance(part, (str, Config)),
+        str_from_instance=lambda part: [part if isinstance(part, str) else name_part(part)],
+    )
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,14 @@ from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import PlannerConfig, Verify
 from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search is charged with it)
+    ik_sampler,
+    pick,
+    place,
+    policy,
+    runner,
+    uniform,
+)
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.explanation import Explanation
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
