@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import tyro
 
 from ictamp_drake.core.checks import check_different
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.els import ElsConfig
@@ -104,13 +104,18 @@ def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
         return name, _combine(shared, STRATEGIES[name])
     if not (defined and _NAME.fullmatch(name)):
         raise IctampError(
-            f"strategies has '{strategy}', but must have names from {', '.join(STRATEGIES)}, or NAME=OPTIONS with "
-            f'letters, digits, _, ., + and - in NAME, e.g. "mine=--planner els --planners.els.p-w 2"'
+            Code.UNKNOWN_CHOICE,
+            "expected the name of a strategy, or NAME=OPTIONS, got {value}",
+            field="strategies",
+            value=strategy,
+            choices=STRATEGIES,
+            advice='or give options with a name of letters, digits, _, ., + and -, e.g. "mine=--planner els"',
         )
     try:
         return name, tyro.cli(Method, args=shlex.split(options), default=shared)
     except ValueError as error:
-        raise IctampError(f'strategies has "{strategy}", whose options cannot be read: {error}') from error
+        problem = f"cannot read the options of {{value}}: {error}"
+        raise IctampError(Code.NOT_READABLE, problem, field="strategies", value=strategy) from error
 
 
 def _combine(shared: Method, strategy: Method) -> Method:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.runs.records import Record, run_name
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.method import Method
@@ -28,7 +28,8 @@ class Problem:
 
     def __post_init__(self) -> None:
         if self.name.startswith("."):
-            raise IctampError(f"the name of a scene is '{self.name}', but must not begin with a dot")
+            problem = "expected a name that does not begin with a dot, got {value}"
+            raise IctampError(Code.BAD_NAME, problem, field="name", value=self.name)
 
 
 @dataclass(frozen=True)

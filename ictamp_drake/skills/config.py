@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,7 @@ import numpy as np
 import tyro
 
 from ictamp_drake.core.checks import check_fields, check_interval, check_range, check_vector
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, MAX_GRIP_FORCE
 from ictamp_drake.motion.config import MotionConfig
@@ -37,7 +38,7 @@ The first one bears a box that is 3 mm and 2 deg from where it was seen, the las
 def check_clearances(field: str, clearances: Sequence[float]) -> None:
     """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
     if not clearances:
-        raise IctampError(f"{field} is empty, but must have one number or more")
+        raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
     check_vector(field, clearances, 0, GRIPPER_MAX_WIDTH, " m", count=None)
 
 
@@ -252,8 +253,7 @@ class SkillsConfig:
     motion: MotionConfig = MotionConfig()
 
     def __post_init__(self) -> None:
-        if self.draws < 1:
-            raise IctampError(f"draws of the skills is {self.draws}, but must be 1 or more")
+        check_range("skills.draws", self.draws, 1, inf)
 
     def create(
         self, world: "World", abstraction: "SceneAbstraction", physics: "Physics", sampler: SamplerConfig

@@ -19,7 +19,7 @@ from multiprocessing import parent_process
 from typing import Any, TypeVar
 
 from ictamp_drake.core.checks import check_choice
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Config
 
 GROUPS = {
@@ -56,7 +56,8 @@ def find_part(option: str, chosen: str | P, known: Mapping[str, P]) -> P:
     installed = load_installed(option)
     check_choice(option, name, [*known, *installed])
     if name in known:
-        raise IctampError(f"{option} is '{chosen}', but the constants of {name} are options: --{option}s.{name}.…")
+        problem, advice = "expected a name without constants, got {value}", f"set them by --{option}s.{name}.…"
+        raise IctampError(Code.NOT_READABLE, problem, field=option, value=chosen, advice=advice)
     return _make_part(option, chosen, installed[name], constants)
 
 
@@ -101,13 +102,12 @@ def _split_text(option: str, text: str) -> tuple[str, dict[str, object]]:
         return text, {}
     try:
         call = ast.parse(f"part{match['constants'] or '()'}", mode="eval").body
-        if not isinstance(call, ast.Call) or call.args:
+        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.args:
             raise ValueError("constants need names")
         return match["name"], {each.arg or "**": ast.literal_eval(each.value) for each in call.keywords}
     except (SyntaxError, ValueError) as error:
-        raise IctampError(
-            f"{option} is '{text}', but its constants cannot be read; expected e.g. (depth=0.02)"
-        ) from error
+        problem = "cannot read the constants of {value}; expected e.g. mine(depth=0.02)"
+        raise IctampError(Code.NOT_READABLE, problem, field=option, value=text) from error
 
 
 def _import_part(option: str, name: str) -> object:
@@ -117,7 +117,8 @@ def _import_part(option: str, name: str) -> object:
         for part in attribute.split("."):
             found = getattr(found, part)
     except Exception as error:
-        raise IctampError(f"{option} is '{name}', which cannot be imported: {_say(error)}") from error
+        problem = f"cannot import {{value}}: {_say(error)}"
+        raise IctampError(Code.NOT_FOUND, problem, field=option, value=name) from error
     return found
 
 
@@ -126,15 +127,17 @@ def _make_part(option: str, text: str, found: object, constants: Mapping[str, ob
         try:
             found = found(**constants)
         except TypeError as error:
-            raise IctampError(f"{option} is '{text}', which cannot be made: {error}") from error
+            problem = f"cannot make {{value}}: {error}"
+            raise IctampError(Code.UNKNOWN_FIELD, problem, field=option, value=text) from error
     elif constants:
-        raise IctampError(f"{option} is '{text}', but only a class takes constants")
+        raise IctampError(Code.WRONG_TYPE, "cannot set constants of {value}: not a class", field=option, value=text)
     return _check_part(option, text, found)
 
 
 def _check_part(option: str, text: str, part: P) -> P:
     if not isinstance(part, Config) or isinstance(part, type):
-        raise IctampError(f"{option} is '{text}', which is not a part: expected a class with a method create(context)")
+        problem = "expected the configuration of a part, with a method create(context), got {value}"
+        raise IctampError(Code.WRONG_TYPE, problem, field=option, value=text)
     return part
 
 
