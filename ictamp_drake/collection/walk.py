@@ -35,7 +35,7 @@ class Sources:
     """Weights of the sources of k; an attempt's is drawn in proportion to them.
 
     Attributes:
-        optimisation: the optimisation-based sampler.
+        optimization: the optimization-based sampler.
         perturbed: the same with noise.
         uniform: anywhere on the target.
         policy: a plain draw from the trained policy, the paper's way.
@@ -44,7 +44,7 @@ class Sources:
         reference: a plain draw from another trained policy.
     """
 
-    optimisation: float = 0.1
+    optimization: float = 0.1
     perturbed: float = 0.65
     uniform: float = 0.25
     policy: float = 0.0

@@ -131,5 +131,5 @@ def _stand(
         x, y = round(spot[0] + piece.offset[0], 4), round(spot[1] + piece.offset[1], 4)
         red, green, blue = rng.uniform(0.15, 0.9, 3).round(2).tolist()
         position = (x, y, round(floor + piece.z, 6))
-        boxes[piece.name] = BoxSpec(sizes[piece.name], position, piece.rotation, colour=(red, green, blue))
+        boxes[piece.name] = BoxSpec(sizes[piece.name], position, piece.rotation, color=(red, green, blue))
     return boxes

@@ -70,7 +70,7 @@ def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]
     boxes = {}
     for name, offset, z, rotation, _ in stack:
         position = round(spot[0] + offset[0], 4), round(spot[1] + offset[1], 4), round(floor + z, 6)
-        boxes[name] = BoxSpec(size=SIZES[name], position=position, rotation=rotation, colour=COLORS[name])
+        boxes[name] = BoxSpec(size=SIZES[name], position=position, rotation=rotation, color=COLORS[name])
     return boxes
 
 

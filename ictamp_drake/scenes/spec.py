@@ -98,7 +98,7 @@ class BoxSpec:
         rotation: roll, pitch, yaw of O in W [deg]: R_WO = Rz(yaw) Ry(pitch) Rx(roll).
         mass: [kg].
         friction: coefficient of Coulomb friction, static and dynamic.
-        colour: red, green, blue, each in [0, 1].
+        color: red, green, blue, each in [0, 1].
     """
 
     size: Vector
@@ -106,7 +106,7 @@ class BoxSpec:
     rotation: Vector = (0.0, 0.0, 0.0)
     mass: float = 0.1
     friction: float = 0.6
-    colour: Vector = (0.6, 0.6, 0.6)
+    color: Vector = (0.6, 0.6, 0.6)
 
     def __post_init__(self) -> None:
         check_vector("size", self.size, 0.008, 1, " m")
@@ -114,7 +114,7 @@ class BoxSpec:
         check_vector("rotation", self.rotation, -360, 360, " deg")
         check_range("mass", self.mass, 0.001, 3, " kg")
         check_range("friction", self.friction, 0.05, 2)
-        check_vector("colour", self.colour, 0, 1)
+        check_vector("color", self.color, 0, 1)
         self._check_width()
 
     def _check_width(self) -> None:

@@ -107,11 +107,11 @@ class OptimizationConfig:
 
     def __post_init__(self) -> None:
         for name in ("depth", "height", "reach"):
-            check_interval(f"samplers.optimisation.{name}", getattr(self, name), 0, 10)
-        check_vector("samplers.optimisation.grip-offset", self.grip_offset, 0, 1, count=2)
+            check_interval(f"samplers.optimization.{name}", getattr(self, name), 0, 10)
+        check_vector("samplers.optimization.grip-offset", self.grip_offset, 0, 1, count=2)
         check_fields(
             self,
-            "samplers.optimisation",
+            "samplers.optimization",
             restarts=(1, 1e6),
             max_width=(1e-3, GRIPPER_MAX_WIDTH),
             ground=(0, 1),

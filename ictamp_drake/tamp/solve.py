@@ -87,7 +87,7 @@ def solve(
         method: How it is solved.
         listeners: Called with every event of the search.
         stop: Asked before every computational action; True ends the search.
-        options: Fields of `Method` to be changed, e.g. sampler="optimisation", time_limit=30. A part is a name or a
+        options: Fields of `Method` to be changed, e.g. sampler="optimization", time_limit=30. A part is a name or a
             configuration of your own, e.g. sampler=MySampler().
 
     Raises:

@@ -70,12 +70,12 @@ def test_an_attempt_can_be_left_out(rows: list[AttemptRow]) -> None:
 
 def test_all_sources_of_k_take_part() -> None:
     found = walk(3, 0, replace(SHORT, states=4, draws=6, sources=Sources(4, 3, 3)))
-    assert {row.sampler for row in found} == {"optimisation", "perturbed", "uniform"}
+    assert {row.sampler for row in found} == {"optimization", "perturbed", "uniform"}
 
 
 def test_one_source_alone_can_be_chosen() -> None:
     found = walk(3, 0, replace(SHORT, states=1, draws=3, sources=Sources(1, 0, 0)))
-    assert {row.sampler for row in found} == {"optimisation"}
+    assert {row.sampler for row in found} == {"optimization"}
     assert all(np.isfinite(row.attempt.k).all() for row in found if row.attempt.k is not None)
 
 
@@ -84,7 +84,7 @@ def test_trained_policies_are_compared_with_other_sources_attempt_by_attempt(tmp
     sources = Sources(1, 0, 0, policy=1, best=1, product=1, reference=1)
     config = replace(SHORT, states=2, draws=2, sources=sources, compare=True, checkpoints=folder, reference=folder)
     found = walk(3, 0, config)
-    assert [row.sampler for row in found] == 4 * ["optimisation", "policy", "best", "product", "reference"]
+    assert [row.sampler for row in found] == 4 * ["optimization", "policy", "best", "product", "reference"]
     assert all(len({(row.c, row.attempt.action) for row in found[start : start + 10]}) == 1 for start in (0, 10))
     product = [row.attempt for row in found if row.sampler == "product"]
     assert all(attempt.motion or len(attempt.rejections) == 15 for attempt in product)

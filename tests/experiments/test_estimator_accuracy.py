@@ -12,7 +12,7 @@ from tests.learning.counted import folder_of, picks
 from tests.learning.synthetic import write_untrained
 from tests.runs.programs import run
 
-MIXED = ("--walk.sources.optimisation", "0.5", "--walk.sources.perturbed", "0.5", "--walk.sources.uniform", "0")
+MIXED = ("--walk.sources.optimization", "0.5", "--walk.sources.perturbed", "0.5", "--walk.sources.uniform", "0")
 SHORT = ("--walk.states", "3", "--walk.draws", "6", "--workers", "1")
 RATES = ("--base-rate.pick", "0.6", "--base-rate.place", "0.7")
 

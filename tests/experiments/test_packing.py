@@ -18,7 +18,7 @@ from tests.runs.programs import command, environment, run, timeless
 
 SHORT = ("--max-steps", "1", "--artefacts", "none", "--time-limit", "250")
 """Options with which a problem takes a second or two and is not solved."""
-NO_GRASP = ("--sampler", "optimisation", "--samplers.optimisation.ground", "1")
+NO_GRASP = ("--sampler", "optimization", "--samplers.optimization.ground", "1")
 LONG = ("--time-limit", "3", *NO_GRASP, "--artefacts", "none")
 """Options with which a problem is given up after three seconds, since every grasp is too high above the ground."""
 
@@ -179,7 +179,7 @@ def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
         (("--level", "heavy"), "level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"),
         (("--problems", "a:b"), "problems is 'a:b', but must be a number or a slice, e.g. 3, 0:5, 10: or :"),
         (("--problems", "55"), "problems is '55', but must select from the numbers 0 to 54 of easy"),
-        (("--sampler", "best"), "sampler is 'best', but must be one of: policy, optimisation, uniform"),
+        (("--sampler", "best"), "sampler is 'best', but must be one of: policy, optimization, uniform"),
         (("--estimator", "q"), "estimator is 'q', but must be one of: p-score, q-value, constant, monte-carlo"),
         (("--generator", "x"), "generator is 'x', but must be one of: breadth-first, best-first"),
         (("--time-limit", "-1"), "time-limit is -1 s, but must be between 0 and 1e+06 s"),

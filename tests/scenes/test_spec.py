@@ -54,7 +54,7 @@ boxes = st.builds(
     rotation=_vectors(-360, 360),
     mass=st.floats(0.001, 3),
     friction=st.floats(0.05, 2),
-    colour=_vectors(0, 1),
+    color=_vectors(0, 1),
 )
 letters = st.text(string.ascii_lowercase, min_size=1, max_size=4)
 text = st.text(st.characters(codec="utf-8"), max_size=20)

@@ -22,7 +22,7 @@ from ictamp_drake.world.world import World
 from tests.skills.rig import pick, place
 from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
 
-SAMPLERS: dict[str, SamplerConfig] = {"uniform": UniformConfig(), "optimisation": OptimizationConfig()}
+SAMPLERS: dict[str, SamplerConfig] = {"uniform": UniformConfig(), "optimization": OptimizationConfig()}
 CONFIG = OptimizationConfig()
 FAR = SupportSpec("table", (5.0, 0.0, 0.0))
 

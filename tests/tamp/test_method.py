@@ -31,7 +31,7 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
         Method,
         args=[
             *("--planners.completion-tree.W", "7", "--planners.els.p-w", "3", "--planner", "els"),
-            *("--samplers.optimisation.restarts", "3", "--physics.time-step", "0.002"),
+            *("--samplers.optimization.restarts", "3", "--physics.time-step", "0.002"),
             *("--skills.pick.force", "20", "--generators.best-first.weight", "1.5", "--predicates.tilt", "0.2"),
             *("--estimators.constant.P", "0.5", "--skills.motion.padding", "0.01"),
             *("--samplers.policy.candidates", "1", "--estimators.q-value.draws", "8"),
@@ -40,7 +40,7 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
     assert method.planner == "els"
     assert method.planners.completion_tree.W == 7
     assert method.planners.els.p_w == 3
-    assert method.samplers.optimisation.restarts == 3
+    assert method.samplers.optimization.restarts == 3
     assert method.physics.time_step == 0.002
     assert method.skills.pick.force == 20
     assert method.skills.motion.padding == 0.01
