@@ -9,10 +9,11 @@ from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
+from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.observation.situations import LIFT
-from ictamp_drake.skills.base import CLEARANCES, TIP, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.base import CLEARANCES, check_clearances, configuration_after, hold, imagine, openings
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, needed_opening, raise_pose, squared_grasp
 from ictamp_drake.world.commands import gripper_time
 from ictamp_drake.world.poses import to_pose, to_transform

@@ -9,9 +9,10 @@ from pydrake.math import RigidTransform, RotationMatrix
 from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
+from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.skills.base import CLEARANCES, TIP, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.base import CLEARANCES, check_clearances, configuration_after, hold, imagine, openings
 from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raise_pose, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
