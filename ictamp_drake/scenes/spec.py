@@ -19,10 +19,11 @@ from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import build, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import SUPPORTS, read_thing
 
 Vector = tuple[float, float, float]
 
-SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
+SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPPORTS}
 """Default size (x, y, z) of each kind of support [m]."""
 
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
