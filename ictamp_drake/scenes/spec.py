@@ -18,13 +18,12 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import build, parse, read_text
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import SUPPORTS, read_thing
 
 Vector = tuple[float, float, float]
 
-GRIPPER_WIDTH = 0.075
-"""Widest side that the hand takes [m]: its opening of 0.08 m less the play that fingers need."""
-
-SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
+SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPPORTS}
 """Default size (x, y, z) of each kind of support [m]."""
 
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
@@ -117,10 +116,10 @@ class BoxSpec:
     def _check_width(self) -> None:
         upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
-        if width > GRIPPER_WIDTH:
+        if width > MAX_SIDE:
             raise IctampError(
                 f"size is {list(self.size)}: too wide for the gripper, which needs a horizontal side "
-                f"of at most {GRIPPER_WIDTH} m where the narrowest one is {width:g} m"
+                f"of at most {MAX_SIDE} m where the narrowest one is {width:g} m"
             )
 
     @property

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.reading import build, parse
-from ictamp_drake.models import rack_sdf
+from ictamp_drake.models.shapes import rack_sdf
 from ictamp_drake.scenes.spec import (
     INTERFERENCES,
     SUPPORT_SIDES,
