@@ -8,20 +8,20 @@ same command with --out FOLDER goes on where it was interrupted, and may add str
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from ictamp_drake.core.checks import check_choice, check_different, check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
-from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.scenes.spec import load_scene, to_dict
 from ictamp_drake.tamp.method import Method, describe_choices
 from ictamp_drake.tamp.task import load
 
@@ -73,7 +73,7 @@ def work(options: Runner) -> Work:
     ]
     strategies = {name: _drop_seed(seeded[0].decisive) for name, seeded in by_strategy.items()}
     about = {"program": "runner", "regime": options.regime, "strategies": strategies}
-    about["scenes"] = {problem.name: asdict(problem.spec) for problem in scenes}
+    about["scenes"] = {problem.name: to_dict(problem.spec) for problem in scenes}
     return Work(f"runner-{options.regime}", about, jobs, options.conduct)
 
 
@@ -96,7 +96,8 @@ def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
     scenes: list[Problem] = []
     for path in paths:
         if path.stem in files:
-            raise IctampError(f"scenes has {path}, but the name is taken by {files[path.stem]}; rename one of them")
+            problem = f"the name of {{value}} is taken by {files[path.stem]}"
+            raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
         files[path.stem] = path
         scenes.append(Problem(path.stem, load(path, method).spec))
     return scenes

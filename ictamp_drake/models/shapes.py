@@ -6,10 +6,12 @@ colors of the committed ones.
 
 from collections.abc import Sequence
 from itertools import product
+from math import inf
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import POSITIVE, check_range
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.models.constants import Inertial
 from ictamp_drake.models.contact import CONTACT_RADIUS, OBJECT, SUPPORT
 from ictamp_drake.models.sdf_text import Color, Shape, collision, document, element, inertial, visual
@@ -64,7 +66,8 @@ def _box_visuals(size: Size, color: Color) -> list[str]:
 
 def _check(name: str, size: Size, least: float) -> None:
     if min(size) < least:
-        raise IctampError(f"{name}: size {tuple(size)} has a side below the least one, {least} m")
+        expected = f"expected sides of at least {least} m, got {{value}}"
+        raise IctampError(Code.OUT_OF_RANGE, expected, field=f"{name}.size", value=size)
 
 
 def box_sdf(name: str, size: Size, mass: float, friction: float, color: Color) -> str:
@@ -81,8 +84,7 @@ def box_sdf(name: str, size: Size, mass: float, friction: float, color: Color) -
         IctampError: a side is too short for the contact spheres, or the mass is not positive.
     """
     _check(name, size, 4 * CONTACT_RADIUS)
-    if not mass > 0.0:
-        raise IctampError(f"{name}: mass {mass} must be positive [kg]")
+    check_range(f"{name}.mass", mass, POSITIVE, inf, " kg")
     surface = OBJECT._replace(friction=friction)
     children = [
         inertial(box_inertial(size, mass)),

@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 
 from ictamp_drake.core.checks import check_choice
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.models.things import BOXES, read_thing
 from ictamp_drake.scenes.layout import Spot, Stack
 from ictamp_drake.scenes.spec import SUPPORT_SIZES, BoxSpec, SupportSpec, Vector
@@ -94,9 +94,11 @@ def parse_selection(selection: str, count: int, option: str = "problems", of: st
     """
     match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
     if match is None or selection.strip() == "":
-        raise IctampError(f"{option} is '{selection}', but must be a number or a slice, e.g. 3, 0:5, 10: or :")
+        problem = "expected a number or a slice, e.g. 3, 0:5, 10: or :, got {value}"
+        raise IctampError(Code.WRONG_TYPE, problem, field=option, value=selection)
     start, colon, stop = match.groups()
     chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)
     if not chosen or chosen[-1] >= count:
-        raise IctampError(f"{option} is '{selection}', but must select from the numbers 0 to {count - 1}{of}")
+        problem = f"expected some of the numbers 0 to {count - 1}{of}, got {{value}}"
+        raise IctampError(Code.OUT_OF_RANGE, problem, field=option, value=selection)
     return chosen

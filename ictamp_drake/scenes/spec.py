@@ -14,9 +14,10 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.checks import check_choice, check_names, check_range, check_vector
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
-from ictamp_drake.core.reading import build, parse, read_text
+from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.hand import MAX_SIDE
 from ictamp_drake.models.things import SUPPORTS, read_thing
@@ -117,10 +118,8 @@ class BoxSpec:
         upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
         if width > MAX_SIDE:
-            raise IctampError(
-                f"size is {list(self.size)}: too wide for the gripper, which needs a horizontal side "
-                f"of at most {MAX_SIDE} m where the narrowest one is {width:g} m"
-            )
+            problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"
+            raise IctampError(Code.TOO_WIDE, problem, field="size", value=self.size)
 
     @property
     def _rotation(self) -> Rotation:
@@ -175,12 +174,13 @@ class SceneSpec:
     def __post_init__(self) -> None:
         for section in ("supports", "boxes"):
             if not getattr(self, section):
-                raise IctampError(f"{section} is empty, but must name at least one")
-        check_names([*self.supports, *self.boxes])
+                raise IctampError(Code.EMPTY, "expected at least one", field=section)
+        check_names(supports=self.supports, boxes=self.boxes)
         if self.start.held:
             check_choice("start.held", self.start.held, self.boxes)
         if not self.goal.strip():
-            raise IctampError("goal is empty, but must be a PDDL formula, e.g. (on red_box table)")
+            problem = "expected a PDDL formula, e.g. (on red_box table), got {value}"
+            raise IctampError(Code.EMPTY, problem, field="goal", value=self.goal)
         check_range("seed", self.seed, 0, 2**63 - 1)
         for kind in self.interference:
             check_choice("interference", kind, INTERFERENCES)
@@ -190,13 +190,10 @@ def load_scene(path: Path | str) -> SceneSpec:
     """Read a scene file.
 
     Raises:
-        IctampError: one sentence that names the file, the field, its value and the valid choices.
+        IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
     """
-    text = read_text(path)
-    try:
-        return build(SceneSpec, parse(text))
-    except IctampError as error:
-        raise IctampError(f"{path}: {error}") from error
+    with in_file(path):
+        return decode(SceneSpec, parse(read_text(path)))
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:
@@ -208,12 +205,18 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
     write_whole(path, to_yaml(spec))
 
 
-def to_yaml(spec: SceneSpec) -> str:
-    """The text of the scene's file."""
-    plain = _to_plain(dataclasses.asdict(spec))
+def to_dict(spec: SceneSpec) -> dict[str, Any]:
+    """The scene in the types of YAML and JSON; `start` is left out where it says nothing."""
+    values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
-        del plain["start"]
-    return str(yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True))
+        del values["start"]
+    return values
+
+
+def to_yaml(spec: SceneSpec) -> str:
+    """Text of the scene's file."""
+    text = yaml.safe_dump(to_dict(spec), sort_keys=False, default_flow_style=None, width=120, allow_unicode=True)
+    return str(text)
 
 
 def _to_plain(value: Any) -> Any:

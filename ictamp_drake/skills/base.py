@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from ictamp_drake.core.checks import check_vector
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
@@ -54,7 +54,7 @@ def openings(needed: float, clearances: Sequence[float]) -> tuple[GripperCommand
 def check_clearances(field: str, clearances: Sequence[float]) -> None:
     """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
     if not clearances:
-        raise IctampError(f"{field} is empty, but must have one number or more")
+        raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
     check_vector(field, clearances, 0, MAX_OPENING, " m", count=None)
 
 

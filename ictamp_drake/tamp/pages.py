@@ -2,12 +2,11 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.tamp.plan import Plan
@@ -80,15 +79,11 @@ def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: 
         IctampError: The plan is empty.
     """
     if not plan.attempts:
-        raise IctampError("the plan is empty, so there is nothing to show")
+        raise IctampError(Code.EMPTY, "the plan is empty, so there is nothing to show")
     physics = physics or PhysicsConfig().create(World(plan.spec))
     attempts = plan.attempts
     if any(attempt.recording is None for attempt in attempts):
-        outcomes = [physics.run(plan.c, attempts[0].motion), *(physics.proceed(a.motion) for a in attempts[1:])]
-        attempts = tuple(
-            replace(attempt, motion=outcome.motion, recording=outcome.recording)
-            for attempt, outcome in zip(attempts, outcomes, strict=True)
-        )
+        attempts = plan.replay(physics.config).recorded(attempts)
     replay_html(plan.spec, plan_frames(physics, attempts), plan_captions(attempts, starts(attempts)), path, stage=stage)
 
 
