@@ -11,7 +11,7 @@ from torch.nn.functional import softplus
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.learning.networks import NetworkConfig
-from ictamp_drake.learning.parameters import FEATURES, GLIMPSES, SEEN, blind_network_inputs, wrap_angle
+from ictamp_drake.learning.parameters import FEATURES, GLIMPSES, SEEN, blind_network_inputs, scale_rows, wrap_angle
 from ictamp_drake.observation.state_matrix import SCHEMA
 
 
@@ -136,7 +136,7 @@ class Squashed(nn.Module):
 
     def _numbers(self, matrix: Tensor, mask: Tensor) -> tuple[Tensor, Tensor]:
         """Mean and standard deviation before tanh, each of shape (n, 1, 4)."""
-        raw = self.network(matrix, mask, matrix.new_zeros(len(matrix), 0))[0][:, None]
+        raw = self.network(scale_rows(matrix), mask, matrix.new_zeros(len(matrix), 0))[0][:, None]
         return raw[..., :4], raw[..., 4:].clamp(*self.log_std).exp()
 
     def branches(self, matrix: Tensor, mask: Tensor, generator: torch.Generator) -> Branches:
