@@ -1,7 +1,7 @@
 """Plan in a scene of one's own: `python -m ictamp_drake.plan SCENE.yaml`."""
 
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +10,7 @@ import tyro
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.scenes.spec import to_dict
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.task import load
 
@@ -40,7 +41,7 @@ def work(options: PlanOptions) -> Work:
     """
     task = load(options.scene, options.method)
     name = options.scene.stem
-    about = {"program": "plan", "scene": asdict(task.spec), "options": options.method.decisive}
+    about = {"program": "plan", "scene": to_dict(task.spec), "options": options.method.decisive}
     job = Job(Problem(name, task.spec), options.method, task=task)
     return Work(name, about, [job], options.conduct)
 

@@ -14,11 +14,11 @@ import yaml
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.experiments.packing import Packing
 from ictamp_drake.plan import PlanOptions, work
-from ictamp_drake.tamp.method import SCENE_METHOD
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.tamp.method import SCENE_METHOD
 from ictamp_drake.tamp.plan import read_plan, write_plan
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
@@ -117,7 +117,7 @@ def test_the_plan_file_replays_to_the_goal(folder: Path, record: Record, time_st
 
 def test_a_plan_without_its_last_skill_does_not_reach_the_goal(folder: Path, record: Record) -> None:
     plan = read_plan(folder / "first" / record.problem / "plan.yaml")
-    assert not plan._replace(attempts=plan.attempts[:-1]).replay().reached
+    assert not replace(plan, attempts=plan.attempts[:-1]).replay().reached
 
 
 def test_the_plan_file_is_plain_yaml_in_si_units(folder: Path, record: Record) -> None:

@@ -8,7 +8,7 @@ same command with --out FOLDER goes on where it was interrupted, and may add str
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -21,7 +21,7 @@ from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
-from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.scenes.spec import load_scene, to_dict
 from ictamp_drake.tamp.method import Method, describe_choices
 from ictamp_drake.tamp.task import load
 
@@ -73,7 +73,7 @@ def work(options: Runner) -> Work:
     ]
     strategies = {name: _drop_seed(seeded[0].decisive) for name, seeded in by_strategy.items()}
     about = {"program": "runner", "regime": options.regime, "strategies": strategies}
-    about["scenes"] = {problem.name: asdict(problem.spec) for problem in scenes}
+    about["scenes"] = {problem.name: to_dict(problem.spec) for problem in scenes}
     return Work(f"runner-{options.regime}", about, jobs, options.conduct)
 
 

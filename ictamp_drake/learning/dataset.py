@@ -6,7 +6,7 @@ itself and the text of its scene, not the state matrix, so that a new schema of 
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import groupby
 from operator import itemgetter
@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.files import whole
+from ictamp_drake.core.reading import build
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
-from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec, SupportSpec
+from ictamp_drake.scenes.spec import SceneSpec, to_dict
 
 _WORD = pa.dictionary(pa.int32(), pa.string())
 
@@ -149,20 +150,13 @@ def open_table(folder: Path) -> pads.Dataset:
 
 def scene_text(spec: SceneSpec) -> str:
     """A scene as it stands in a row, JSON because reading YAML takes a hundred times as long."""
-    return json.dumps(asdict(spec), separators=(",", ":"))
+    return json.dumps(to_dict(spec), separators=(",", ":"))
 
 
 @lru_cache(maxsize=256)
 def scene(text: str) -> SceneSpec:
     """The scene of a row."""
-    raw = json.loads(text, object_hook=_to_tuples)
-    supports = {name: SupportSpec(**support) for name, support in raw.pop("supports").items()}
-    boxes = {name: BoxSpec(**box) for name, box in raw.pop("boxes").items()}
-    return SceneSpec(arm=ArmSpec(**raw.pop("arm")), supports=supports, boxes=boxes, **raw)
-
-
-def _to_tuples(values: dict[str, Any]) -> dict[str, Any]:
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in values.items()}
+    return build(SceneSpec, json.loads(text))
 
 
 def configuration(row: Mapping[str, Any]) -> Configuration:

@@ -33,8 +33,9 @@ def command(
     """
     console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
     config = (tyro.conf.FlagCreatePairsOff,)
+    prog = sys.argv[0] if sys.argv[0].startswith("ictamp ") else f"python -m {name}"
     try:
-        return act(tyro.cli(options, prog=f"python -m {name}", args=arguments, config=config), console)
+        return act(tyro.cli(options, prog=prog, args=arguments, config=config), console)
     except IctampError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT

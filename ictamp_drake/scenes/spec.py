@@ -209,12 +209,18 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
     write_whole(path, to_yaml(spec))
 
 
-def to_yaml(spec: SceneSpec) -> str:
-    """The text of the scene's file."""
-    plain = _to_plain(dataclasses.asdict(spec))
+def to_dict(spec: SceneSpec) -> dict[str, Any]:
+    """The scene in the types of YAML and JSON; `start` is left out where it says nothing."""
+    values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
-        del plain["start"]
-    return str(yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True))
+        del values["start"]
+    return values
+
+
+def to_yaml(spec: SceneSpec) -> str:
+    """Text of the scene's file."""
+    text = yaml.safe_dump(to_dict(spec), sort_keys=False, default_flow_style=None, width=120, allow_unicode=True)
+    return str(text)
 
 
 def _to_plain(value: Any) -> Any:
