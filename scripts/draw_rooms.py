@@ -33,14 +33,15 @@ SWEEPS = 60
 
 
 def read_imports() -> Imports:
-    """For each room the rooms that it imports."""
+    """For each room the rooms that it imports; what neither imports nor is imported is left out."""
     graph = grimp.build_graph(PACKAGE, cache_dir=None)
     rooms = sorted(graph.find_children(PACKAGE))
 
     def imports(one: str, other: str) -> bool:
         return one != other and graph.direct_import_exists(importer=one, imported=other, as_packages=True)
 
-    return {_name(one): frozenset(_name(other) for other in rooms if imports(one, other)) for one in rooms}
+    found = {_name(one): frozenset(_name(other) for other in rooms if imports(one, other)) for one in rooms}
+    return {room: below for room, below in found.items() if below or any(room in each for each in found.values())}
 
 
 def find_floors(imports: Imports) -> dict[str, int]:
