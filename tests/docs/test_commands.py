@@ -9,8 +9,8 @@ A command is a line of a code block without a language, or code in a sentence or
   of these, are parsed. `benchmarks/opening.py` takes plain numbers, the others without `Options` nothing;
 - `make …`: the target exists.
 
-Not checked: commands of `pip`, `cp`, `bash` and `pytest`, fragments that say "the same with …", and commands that name a
-part which the reader wrote. Nor whether the files are there that a command names.
+Not checked: commands of `pip`, `cp`, `bash` and `pytest`, fragments that say "the same with …", commands that name a
+part which the reader wrote, and whether the files are there that a command names.
 """
 
 import re
