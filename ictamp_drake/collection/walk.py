@@ -10,7 +10,7 @@ import numpy as np
 
 from ictamp_drake.collection.shards import Shards
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Attempt, Configuration, State
@@ -56,7 +56,7 @@ class Sources:
     def __post_init__(self) -> None:
         for name, weight in asdict(self).items():
             check_range(f"walk.sources.{name}", weight, 0, 1e6)
-        check_range("the sum of walk.sources", sum(asdict(self).values()), 1e-9, 1e9)
+        check_range("walk.sources", sum(asdict(self).values()), 1e-9, 1e9)
 
     @property
     def weights(self) -> dict[str, float]:
@@ -98,7 +98,8 @@ class WalkConfig:
         check_range("walk.states", self.states, 1, 1e4)
         check_range("walk.draws", self.draws, 1, 1e4)
         if self.sources.reference and self.reference is None:
-            raise IctampError("walk.sources.reference is above zero, but walk.reference names no folder of checkpoints")
+            problem = "expected a folder of checkpoints, since walk.sources.reference is above 0"
+            raise IctampError(Code.CONFLICT, problem, field="walk.reference")
 
     def check(self) -> None:
         """Raise IctampError at once, rather than in every scene, when a trained policy is not to be had."""
@@ -165,7 +166,7 @@ class _Course:
             for source in config.sources.weights
         }
         self._domains: dict[State, Domain] = {}
-        self._met = [start_configuration(self._world, self._abstraction, self._physics, spec.description)[0]]
+        self._met = [start_configuration(self._world, self._abstraction, self._physics)[0]]
         self._drawn = [0]
 
     def _sampler(self, source: str, optimization: Sampler[Configuration]) -> Sampler[Configuration]:

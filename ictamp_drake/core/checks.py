@@ -1,10 +1,17 @@
-"""Checks of single values; each raises one sentence that names the field, its value and the valid choices."""
+"""Checks of single values; each raises an error with the field, its value and the valid choices."""
 
+import math
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
+
+POSITIVE = math.ulp(0.0)
+"""Least number above 0, as the lower end of a range."""
+FINITE = sys.float_info.max
+"""Greatest finite number, as the upper end of a range."""
 
 _MODEL_NAMES = ("world", "panda", "WorldModelInstance", "DefaultModelInstance")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -15,7 +22,8 @@ _PDDL_WORDS = frozenset({"and", "or", "not", "imply", "when", "forall", "exists"
 def check_range(field: str, value: float, low: float, high: float, unit: str = "") -> None:
     """Raise IctampError unless `low` <= `value` <= `high`; nan fails too."""
     if not low <= value <= high:
-        raise IctampError(f"{field} is {value:g}{unit}, but must be between {low:g} and {high:g}{unit}")
+        expected = f"a {_describe_range(low, high, unit, 'number')}"
+        raise IctampError(Code.OUT_OF_RANGE, f"expected {expected}, got {{value}}", field=field, value=value)
 
 
 def check_fields(config: object, where: str, **ranges: tuple[float, float]) -> None:
@@ -25,45 +33,61 @@ def check_fields(config: object, where: str, **ranges: tuple[float, float]) -> N
 
 
 def check_interval(field: str, ends: Sequence[float], low: float, high: float) -> None:
-    """Raise IctampError unless `ends` are two numbers between `low` and `high`, in their order."""
+    """Raise IctampError unless `ends` are two numbers from `low` to `high`, in their order."""
     check_vector(field, ends, low, high, count=2)
     if ends[0] > ends[1]:
-        raise IctampError(f"{field} is {list(ends)}, but the least must not exceed the greatest")
+        raise IctampError(Code.OUT_OF_RANGE, "expected the lower end first, got {value}", field=field, value=ends)
 
 
 def check_vector(
     field: str, values: Sequence[float], low: float, high: float, unit: str = "", *, count: Literal[2, 3, 7] | None = 3
 ) -> None:
-    """Raise IctampError unless `values` are so many numbers, None for any, each between `low` and `high`."""
+    """Raise IctampError unless `values` are so many numbers, None for any, each from `low` to `high`."""
     if count is not None and len(values) != count:
-        raise IctampError(f"{field} is {list(values)}, but must be {_WORDS[count]} numbers")
+        expected = f"expected {_WORDS[count]} numbers, got {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, expected, field=field, value=values)
     if not all(low <= value <= high for value in values):
-        raise IctampError(f"{field} is {list(values)}, but each number must be between {low:g} and {high:g}{unit}")
+        expected = f"expected {_describe_range(low, high, unit, 'numbers')}, got {{value}}"
+        raise IctampError(Code.OUT_OF_RANGE, expected, field=field, value=values)
 
 
 def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
     """Raise IctampError unless `value` is one of `choices`."""
+    choices = tuple(choices)
     if value not in choices:
-        raise IctampError(f"{field} is '{value}', but must be one of: {', '.join(choices)}")
+        raise IctampError(Code.UNKNOWN_CHOICE, "{value} is not valid", field=field, value=value, choices=choices)
 
 
 def check_different(field: str, values: Sequence[object]) -> None:
     """Raise IctampError when a value is there more than once."""
     for value in values:
         if values.count(value) > 1:
-            raise IctampError(f"{field} has {value!r} more than once, but all must be different")
+            raise IctampError(Code.REPEATED, "expected different values, got {value} twice", field=field, value=value)
 
 
-def check_names(names: Iterable[str]) -> None:
-    """Raise IctampError unless the names can stand side by side in a PDDL problem, where case does not count."""
+def check_names(**sections: Iterable[str]) -> None:
+    """Raise IctampError unless the names of all sections can be in one PDDL problem, where case does not count."""
     seen = set()
-    for name in names:
+    for field, name in ((f"{section}.{name}", name) for section, names in sections.items() for name in names):
+        other = f"choose another name, e.g. {name}_1"
         if not _NAME.fullmatch(name):
-            raise IctampError(f"the name '{name}' is not valid; use letters, digits, _ and -, a letter first")
+            rule = "use letters, digits, _ and -, and begin with a letter"
+            raise IctampError(Code.BAD_NAME, "{value} is not a valid name", field=field, value=name, advice=rule)
         if name in _MODEL_NAMES:
-            raise IctampError(f"the name '{name}' is taken by the world or the robot; choose another, e.g. '{name}_1'")
+            problem = "{value} is a name of the world or the robot"
+            raise IctampError(Code.BAD_NAME, problem, field=field, value=name, advice=other)
         if name.lower() in _PDDL_WORDS:
-            raise IctampError(f"the name '{name}' is a word of PDDL; choose another, e.g. '{name}_1'")
+            raise IctampError(Code.BAD_NAME, "{value} is a word of PDDL", field=field, value=name, advice=other)
         if name.lower() in seen:
-            raise IctampError(f"the name '{name}' is used twice (case does not count); every name must be its own")
+            problem = "the name {value} is used twice, and case does not count"
+            raise IctampError(Code.REPEATED, problem, field=field, value=name, advice=other)
         seen.add(name.lower())
+
+
+def _describe_range(low: float, high: float, unit: str, noun: str) -> str:
+    finite = "finite " if high == FINITE else ""
+    if high < FINITE and low != POSITIVE:
+        return f"{noun} from {low:g} to {high:g}{unit}"
+    least = f"above 0{unit}" if low == POSITIVE else f"of at least {low:g}{unit}"
+    most = f" and at most {high:g}{unit}" if high < FINITE else ""
+    return f"{finite}{noun} {least}{most}"

@@ -1,9 +1,142 @@
 """Errors that a user can mend. Everything that goes wrong inside a search is a `Failure`, not an error."""
 
+import reprlib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+
+
+class Code(StrEnum):
+    """What kind of mistake an error is about. Codes are stable; sentences are not."""
+
+    # One value
+    OUT_OF_RANGE = "out-of-range"
+    WRONG_TYPE = "wrong-type"
+    WRONG_LENGTH = "wrong-length"
+    UNKNOWN_CHOICE = "unknown-choice"
+    REPEATED = "repeated"
+    EMPTY = "empty"
+    BAD_NAME = "bad-name"
+    CONFLICT = "conflict"
+    # Fields and files
+    UNKNOWN_FIELD = "unknown-field"
+    MISSING_FIELD = "missing-field"
+    NOT_FOUND = "not-found"
+    NOT_READABLE = "not-readable"
+    NOT_WRITABLE = "not-writable"
+    NOT_TEXT = "not-text"
+    NOT_YAML = "not-yaml"
+    NOT_JSON = "not-json"
+    NOT_PDDL = "not-pddl"
+    TOO_LARGE = "too-large"
+    TOO_DEEP = "too-deep"
+    DAMAGED = "damaged"
+    OTHER_VERSION = "other-version"
+    # Scenes and goals
+    TOO_WIDE = "too-wide"
+    OVERLAP = "overlap"
+    NOT_CARRIED = "not-carried"
+    NOT_HELD = "not-held"
+    NOT_AT_REST = "not-at-rest"
+    BAD_STATE = "bad-state"
+    GOAL_HOLDS = "goal-holds"
+    IMPOSSIBLE_GOAL = "impossible-goal"
+    # Runs and learning
+    NOT_A_RUN = "not-a-run"
+    NO_RUN = "no-run"
+    IN_USE = "in-use"
+    OTHER_OPTIONS = "other-options"
+    TOO_FEW_DATA = "too-few-data"
+    NOT_INSTALLED = "not-installed"
+    NOT_REACHABLE = "not-reachable"
+
+
+@dataclass(frozen=True)
+class Where:
+    """The place of a mistake. What is not known is empty.
+
+    Attributes:
+        file: File or folder, or the name of a scene that was made in Python.
+        line: Line of the file, from 1.
+        field: Path of the field, e.g. boxes.red_box.size or start.joints[2]; of an option, e.g. planners.els.p-w.
+    """
+
+    file: str = ""
+    line: int | None = None
+    field: str = ""
+
+    def __str__(self) -> str:
+        line = "" if self.line is None else f"line {self.line}"
+        return ": ".join(filter(None, [", ".join(filter(None, [self.file, line])), self.field]))
+
 
 class IctampError(Exception):
-    """Base of all errors raised on purpose.
+    """Base of all errors raised on purpose. `str` of it is one sentence; programs print it and exit with code 2.
 
-    The message is one sentence that names the file, the field, the value and the valid choices; programs print it
-    and exit with code 2.
+    Attributes:
+        code: Kind of the mistake.
+        where: Place of the mistake.
+        problem: What is wrong there, without the place; "{value}" stands for the value.
+        value: The value that is refused, None if there is none.
+        choices: Values that are valid there, empty if they cannot be listed.
+        advice: What would help, e.g. "choose another --out"; may be empty.
     """
+
+    def __init__(
+        self,
+        code: Code,
+        problem: str,
+        *,
+        field: str = "",
+        file: Path | str = "",
+        line: int | None = None,
+        value: object = None,
+        choices: Iterable[str] = (),
+        advice: str = "",
+    ) -> None:
+        super().__init__(code, problem)
+        self.code = code
+        self.problem = problem
+        self.where = Where(str(file), line, field)
+        self.value = value
+        self.choices = tuple(choices)
+        self.advice = advice
+
+    def add_field(self, field: str) -> None:
+        """Say that the field is part of another one, e.g. size of boxes.red_box."""
+        self.where = replace(self.where, field=join_fields(field, self.where.field))
+
+    def add_file(self, file: Path | str, line: int | None = None) -> None:
+        """Name the file, and the line if it is known, unless the error has a file."""
+        if not self.where.file:
+            self.where = replace(self.where, file=str(file), line=self.where.line or line)
+
+    def __str__(self) -> str:
+        """E.g. "scene.yaml, line 7: boxes.red_box.size: expected three numbers, got [1, 2]"."""
+        problem = self.problem.replace("{value}", show(self.value))
+        choices = f"choose from: {', '.join(self.choices)}" if self.choices else ""
+        return ": ".join(filter(None, [str(self.where), "; ".join(filter(None, [problem, choices, self.advice]))]))
+
+
+def join_fields(field: str, rest: str) -> str:
+    """The path of a part of a field; either may be empty."""
+    return field + rest if not field or not rest or rest.startswith("[") else f"{field}.{rest}"
+
+
+class _Shown(reprlib.Repr):
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlist = self.maxdict = 9
+        self.maxlevel = 3
+        self.maxstring = self.maxother = 80
+
+    def repr_float(self, number: float, _: int) -> str:
+        return f"{number:g}"
+
+
+def show(value: object) -> str:
+    """The value as a message quotes it, on one line and not too long."""
+    if isinstance(value, Path):
+        value = str(value)
+    return _Shown().repr(list(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else value)

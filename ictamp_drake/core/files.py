@@ -1,15 +1,15 @@
 """Folders that can be written, files that appear whole or not at all, and what is read from them."""
 
 import errno
-import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.reading import read_text
+from ictamp_drake.core.decoding import mapping
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file, parse_json, read_bytes
 
 
 def make_folder(path: Path) -> None:
@@ -23,7 +23,8 @@ def make_folder(path: Path) -> None:
         if not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
-        raise IctampError(f"{path}: is no folder that can be written: {error.strerror}") from error
+        problem = f"cannot be written as a folder: {error.strerror}"
+        raise IctampError(Code.NOT_WRITABLE, problem, file=path) from error
 
 
 def write_whole(path: Path | str, text: str) -> None:
@@ -44,16 +45,10 @@ def whole(path: Path | str) -> Iterator[Path]:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """The object in a file.
+    """Read the object in a file.
 
     Raises:
-        IctampError: the file cannot be read or is none of JSON.
+        IctampError: The file cannot be read, or is not an object of JSON.
     """
-    text = read_text(path)
-    try:
-        values = json.loads(text)
-    except ValueError as error:
-        raise IctampError(f"{path}: is not JSON: {error}") from error
-    if not isinstance(values, dict):
-        raise IctampError(f"{path}: is a {type(values).__name__} in JSON, but must be an object")
-    return values
+    with in_file(path):
+        return dict(mapping(parse_json(read_bytes(path))))

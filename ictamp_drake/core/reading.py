@@ -1,19 +1,24 @@
-"""From YAML text to frozen dataclasses, with errors that say where in the file they are.
+"""From files to plain data, with limits, and errors that say where in the file they are."""
 
-Drake's `yaml_load_typed` fills mutable, default-constructed objects and names no place in its errors.
-"""
-
-import dataclasses
-from collections.abc import Mapping
-from contextlib import suppress
+import json
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any
 
 import yaml
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 
-T = TypeVar("T")
+MAX_BYTES = 64 * 2**20
+"""Largest file that is read [bytes]."""
+MAX_NODES = 2_000_000
+"""Most mappings, lists and scalars of a YAML document, with its aliases written out."""
+MAX_DEPTH = 60
+"""Deepest nesting of a YAML document, low enough for functions that call themselves once a level."""
+
+_TOO_DEEP = f"expected values nested at most {MAX_DEPTH} deep"
 
 
 class _Strict:
@@ -29,8 +34,9 @@ class _Strict:
         try:
             return super().construct_object(node, deep)  # type: ignore[misc]
         except (AttributeError, LookupError, ValueError) as error:
-            kind = node.tag.rpartition(":")[2]
-            raise IctampError(f"{_line(node)}: not valid YAML: '{node.value}' is no {kind}") from error
+            kind = {"int": "whole number", "bool": "truth value"}.get(tag := node.tag.rpartition(":")[2], tag)
+            problem = f"not valid YAML: {{value}} is not a {kind}"
+            raise IctampError(Code.NOT_YAML, problem, line=_line(node), value=node.value) from error
 
 
 class _PythonLoader(_Strict, yaml.SafeLoader):
@@ -52,115 +58,128 @@ def _refuse_repeated(node: yaml.Node | None, seen: set[int]) -> None:
     keys = set()
     for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)) if is_mapping else ():
         if key.value in keys:
-            raise IctampError(f"{_line(key)}: '{key.value}' is used twice in one mapping")
+            raise IctampError(Code.REPEATED, "{value} is used twice in one mapping", line=_line(key), value=key.value)
         keys.add(key.value)
 
 
-def _line(node: yaml.Node) -> str:
-    return f"line {node.start_mark.line + 1}"
+def _line(node: yaml.Node) -> int:
+    return int(node.start_mark.line) + 1
+
+
+def read_bytes(path: Path | str) -> bytes:
+    """Content of a file.
+
+    Raises:
+        IctampError: It cannot be read, or is larger than `MAX_BYTES`.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise IctampError(Code.NOT_READABLE, f"cannot be read: {error.strerror}", file=path) from error
+    if len(content) > MAX_BYTES:
+        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {MAX_BYTES >> 20} MiB", file=path)
+    return content
 
 
 def read_text(path: Path | str) -> str:
-    """The text of a file.
+    """Text of a file.
 
     Raises:
-        IctampError: it cannot be read or is not UTF-8.
+        IctampError: It cannot be read, is too large or is not UTF-8.
     """
     try:
-        return Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise IctampError(f"{path}: cannot be read: {error.strerror}") from error
+        return read_bytes(path).decode("utf-8")
     except UnicodeDecodeError as error:
-        raise IctampError(f"{path}: not a text file in UTF-8") from error
+        raise IctampError(Code.NOT_TEXT, "not a text file in UTF-8", file=path) from error
 
 
 def parse(text: str) -> object:
-    """The document as plain mappings, lists and scalars.
+    """A YAML document as plain mappings, lists and scalars.
 
     Raises:
-        IctampError: on a syntax error, an impossible value or a key used twice, naming the line.
+        IctampError: A syntax error, an impossible value, a key used twice, or too large or deep a document.
     """
-    with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
-        return yaml.load(text, Loader=_Loader)
     try:
+        with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
+            _check_limits(text)
+            return yaml.load(text, Loader=_Loader)
         return yaml.load(text, Loader=_PythonLoader)
     except yaml.MarkedYAMLError as error:
-        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
-        raise IctampError(f"{line}not valid YAML: {error.problem}") from error
+        line = error.problem_mark.line + 1 if error.problem_mark else None
+        raise IctampError(Code.NOT_YAML, f"not valid YAML: {error.problem}", line=line) from error
     except yaml.YAMLError as error:
-        raise IctampError(f"not valid YAML: {' '.join(str(error).split())}") from error
+        raise IctampError(Code.NOT_YAML, f"not valid YAML: {' '.join(str(error).split())}") from error
+    except RecursionError as error:
+        raise IctampError(Code.TOO_DEEP, _TOO_DEEP) from error
 
 
-def build(schema: type[T], raw: object, where: str = "") -> T:
-    """The dataclass `schema` from a YAML mapping; `where` is the mapping's place in the file, e.g. boxes.red_box.
+def parse_json(text: str | bytes) -> Any:
+    """A JSON document as plain mappings, lists and scalars.
 
     Raises:
-        IctampError: for an unknown or missing field, or a value that is of the wrong type or refused by the dataclass.
+        IctampError: A syntax error, or too deep a document.
     """
-    hints = get_type_hints(schema)
-    fields = {field.name: field for field in dataclasses.fields(schema)}  # type: ignore[arg-type]
-    values = {}
-    for name, value in mapping(raw, where).items():
-        if name not in fields:
-            raise IctampError(f"unknown field '{_join(where, name)}'; valid are: {', '.join(fields)}")
-        values[name] = _value(hints[name], value, _join(where, name))
-    needed = [name for name, field in fields.items() if field.default is field.default_factory is dataclasses.MISSING]
-    for name in needed:
-        if name not in values:
-            raise IctampError(f"'{_join(where, name)}' is missing; needed are: {', '.join(needed)}")
     try:
-        return schema(**values)
+        return json.loads(text)
+    except ValueError as error:
+        raise IctampError(Code.NOT_JSON, f"not valid JSON: {error}") from error
+    except RecursionError as error:
+        raise IctampError(Code.TOO_DEEP, "expected values nested less deeply") from error
+
+
+@contextmanager
+def in_file(path: Path | str) -> Iterator[None]:
+    """Name the file in errors of a block, with the line of the field where it is a file of YAML."""
+    try:
+        yield
     except IctampError as error:
-        raise IctampError(_join(where, str(error))) from error
+        field = error.where.field
+        is_yaml = not error.where.file and Path(path).suffix in (".yaml", ".yml")
+        error.add_file(path, _find_line(Path(path), field) if field and is_yaml else None)
+        raise
 
 
-def mapping(raw: object, where: str) -> Mapping[str, object]:
-    """The value itself when it is a mapping whose keys are all text.
-
-    Raises:
-        IctampError: otherwise.
-    """
-    if not isinstance(raw, dict):
-        raise IctampError(f"{where or 'the file'} is {raw!r}, but must be a mapping (name: value)")
-    for key in raw:
-        if not isinstance(key, str):
-            trap = "; YAML reads on, off, yes and no as truth values" if isinstance(key, bool) else ""
-            raise IctampError(f"{where or 'the file'} has the key {key!r}, but names must be text{trap}")
-    return raw
-
-
-def _value(hint: Any, raw: object, where: str) -> object:
-    if get_origin(hint) is dict:
-        return {name: _value(get_args(hint)[1], item, _join(where, name)) for name, item in mapping(raw, where).items()}
-    if dataclasses.is_dataclass(hint):
-        return build(hint, raw, where)  # type: ignore[arg-type]
-    is_tuple = get_origin(hint) is tuple
-    if is_tuple != isinstance(raw, list):
-        raise IctampError(f"{where} is {raw!r}, but must be {_describe_type(hint)}")
-    try:
-        if is_tuple:
-            return tuple(_scalar(get_args(hint)[0], item) for item in raw)  # type: ignore[attr-defined]
-        return _scalar(hint, raw)
-    except (ValueError, TypeError, OverflowError) as error:
-        raise IctampError(f"{where} is {raw!r}, but must be {_describe_type(hint)}") from error
+def _check_limits(text: str) -> None:
+    """Raise IctampError when a YAML document is nested too deep or, with its aliases written out, too large."""
+    measures: dict[str, tuple[int, int]] = {}  # size and height of what has an anchor
+    unfinished: list[tuple[str | None, int, int]] = [(None, 0, 0)]  # of each collection anchor, size and height
+    for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+        line = event.start_mark.line + 1 if event.start_mark else None
+        if isinstance(event, yaml.CollectionStartEvent):
+            unfinished.append((event.anchor, 1, 1))
+            size = height = 0
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, size, height = unfinished.pop()
+            measures |= {anchor: (size, height)} if anchor else {}
+        elif isinstance(event, yaml.AliasEvent):
+            if any(anchor == event.anchor for anchor, *_ in unfinished):
+                raise IctampError(Code.TOO_DEEP, "{value} contains itself", line=line, value=f"&{event.anchor}")
+            size, height = measures.get(event.anchor or "", (1, 0))
+        else:
+            size, height = 1, 0
+        anchor, size_around, height_around = unfinished[-1]
+        unfinished[-1] = anchor, size_around + size, max(height_around, height + 1)
+        if len(unfinished) + height > MAX_DEPTH:
+            raise IctampError(Code.TOO_DEEP, _TOO_DEEP, line=line)
+        if sum(size for _, size, _ in unfinished) > MAX_NODES:
+            raise IctampError(Code.TOO_LARGE, f"expected at most {MAX_NODES} values, aliases written out", line=line)
 
 
-def _scalar(kind: type, raw: object) -> object:
-    """A value of the kind: a number may be written as text (YAML takes 1e-3 for one), but nothing else for another."""
-    if type(raw) is kind:
-        return raw
-    if kind is str or type(raw) not in (int, float, str):
-        raise TypeError
-    value = kind(raw)
-    if kind is int and isinstance(raw, float) and value != raw:
-        raise ValueError
-    return value
-
-
-def _describe_type(hint: Any) -> str:
-    words = {float: "a number", int: "a whole number", str: "text"}
-    return words.get(hint) or ("a list of texts" if get_args(hint)[0] is str else "a list of three numbers")
-
-
-def _join(where: str, rest: str) -> str:
-    return f"{where}.{rest}" if where else rest
+def _find_line(path: Path, field: str) -> int | None:
+    """Line of a field or, if it is missing, of what should have it; None if the file cannot be read."""
+    with suppress(IctampError, yaml.YAMLError):
+        node, line = yaml.compose(read_text(path), Loader=_Loader), None
+        for key in re.findall(r"[^.\[\]]+", field):
+            if isinstance(node, yaml.MappingNode):
+                found = [(name, value) for name, value in node.value if name.value == key]
+            elif isinstance(node, yaml.SequenceNode) and key.isdigit():
+                found = [(item, item) for item in node.value[int(key) : int(key) + 1]]
+            else:
+                found = []
+            if not found:
+                break
+            (name, node), *_ = found
+            line = _line(name)
+        return line
+    return None

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.types import FloatArray, Skeleton
 
 
@@ -21,8 +21,7 @@ class ConstantConfig:
     P: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.P <= 1:
-            raise IctampError(f"P of the constant estimator is {self.P}, but must lie between 0 and 1.")
+        check_range("estimators.constant.P", self.P, 0, 1)
 
     def create(self, world: object = None, skills: object = None) -> "Constant":  # noqa: ARG002  (as for the others)
         """The estimator, the same in every scene."""

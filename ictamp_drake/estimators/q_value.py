@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import PlanParameters
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
@@ -52,7 +52,14 @@ class QValueConfig:
         check_range("estimators.q-value.draws", self.draws, 1, 4096)
         check_range("estimators.q-value.refinements", self.refinements, 0, 1000)
         if self.refinements and not self.best:
-            raise IctampError("estimators.q-value.refinements seek the best of the draws; set estimators.q-value.best")
+            problem = "refinements need the best of the draws, got {value} without it"
+            raise IctampError(
+                Code.CONFLICT,
+                problem,
+                field="estimators.q-value.refinements",
+                value=self.refinements,
+                advice="set --estimators.q-value.best",
+            )
 
     def create(self, world: World, skills: object = None) -> "QValue":  # noqa: ARG002  (the same for all estimators)
         """The estimator for one scene.

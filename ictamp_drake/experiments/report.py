@@ -15,8 +15,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from ictamp_drake.core.checks import check_choice
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_choice, check_different
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import make_folder, read_json, write_whole
 from ictamp_drake.reports import results_table
 from ictamp_drake.reports.pace import scale_to_equal_pace
@@ -54,7 +54,8 @@ class Report:
 
     def __post_init__(self) -> None:
         if self.out.name in ("", ".."):
-            raise IctampError(f"out is {self.out}, but must end in a name, which the page takes, e.g. docs/results")
+            problem = "expected a folder with a name, which the page takes, e.g. docs/results, got {value}"
+            raise IctampError(Code.BAD_NAME, problem, field="out", value=self.out)
 
 
 def write_report(options: Report, console: Console, typed: str) -> int:
@@ -114,18 +115,16 @@ def _tree(path: Path) -> dict[str, Any]:
     try:
         Layout(tree)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
-        raise IctampError(f"{path}: is no record of a search, tree.json: {error!r}") from error
+        raise IctampError(Code.WRONG_TYPE, f"not the record of a search: {error!r}", file=path) from error
     return tree
 
 
 def _regimes(folders: Sequence[Path]) -> list[Regime]:
     if not folders:
-        raise IctampError("runs: no folder is given, but there must be at least one")
+        raise IctampError(Code.EMPTY, "expected at least one folder", field="runs")
     regimes = [read_regime(folder) for folder in folders]
     names = [regime.name for regime in regimes]
-    for name in names:
-        if names.count(name) > 1:
-            raise IctampError(f"runs: {names.count(name)} folders are named {name!r}, but names must be different")
+    check_different("runs", names)
     return regimes
 
 

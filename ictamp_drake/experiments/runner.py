@@ -15,7 +15,7 @@ from typing import Annotated
 import tyro
 
 from ictamp_drake.core.checks import check_choice, check_different, check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, main
@@ -96,7 +96,8 @@ def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
     scenes: list[Problem] = []
     for path in paths:
         if path.stem in files:
-            raise IctampError(f"scenes has {path}, but the name is taken by {files[path.stem]}; rename one of them")
+            problem = f"the name of {{value}} is taken by {files[path.stem]}"
+            raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
         files[path.stem] = path
         scenes.append(Problem(path.stem, load(path, method).spec))
     return scenes

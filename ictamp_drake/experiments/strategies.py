@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import tyro
 
 from ictamp_drake.core.checks import check_different
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.tamp.method import Method
 
 _PRODUCT = (
@@ -90,10 +90,15 @@ def _parse_strategy(strategy: str) -> tuple[str, list[str]]:
     name, defined, options = strategy.partition("=")
     if not (defined and _NAME.fullmatch(name)) and strategy not in STRATEGIES:
         raise IctampError(
-            f"strategies has '{strategy}', but must have names from {', '.join(STRATEGIES)}, or NAME=OPTIONS with "
-            f'letters, digits, _, ., + and - in NAME, e.g. "mine=--planner els --planners.els.p-w 2"'
+            Code.UNKNOWN_CHOICE,
+            "expected the name of a strategy, or NAME=OPTIONS, got {value}",
+            field="strategies",
+            value=strategy,
+            choices=STRATEGIES,
+            advice='or give options with a name of letters, digits, _, ., + and -, e.g. "mine=--planner els"',
         )
     try:
         return name, shlex.split(options if defined else STRATEGIES[strategy])
     except ValueError as error:
-        raise IctampError(f'strategies has "{strategy}", whose options cannot be read: {error}') from error
+        problem = f"cannot read the options of {{value}}: {error}"
+        raise IctampError(Code.NOT_READABLE, problem, field="strategies", value=strategy) from error

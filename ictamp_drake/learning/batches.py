@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.learning.dataset import Attempts
 
 VALIDATION, TEST = 0.1, 0.1
@@ -97,10 +97,9 @@ def split(attempts: Attempts) -> Split:
         part = attempts.select((place >= low) & (place < high))
         wins = int(part.success.sum())
         if wins in (0, len(part)):
-            raise IctampError(
-                f"there are too few recorded attempts: of {len(part)} in the {name} scenes {wins} succeeded, "
-                f"but both successes and failures are needed; collect more"
-            )
+            found = f"{{value}} successes in {len(part)} attempts in the {name} scenes"
+            problem = f"expected successes and failures, got {found}"
+            raise IctampError(Code.TOO_FEW_DATA, problem, value=wins, advice="collect more")
         parts[name] = batch(part)
     return Split(**parts)
 

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.dataset as pads
 from numpy.typing import NDArray
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.dataset import action, configuration, open_table
 
@@ -82,10 +82,9 @@ def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None)
     cases = [_case(rows[:least]) for _, rows in sorted(groups.items()) if len(rows) >= least]
     if not cases:
         most = max(map(len, groups.values()), default=0)
-        raise IctampError(
-            f"{folder}: no {skill} was attempted {least} times from the same c, the most is {most}; collect with "
-            f"--walk.draws {least}, lower --least or leave {skill} out of --skills"
-        )
+        problem = f"expected {least} attempts to {skill} from the same c, got at most {{value}}"
+        advice = f"collect with --walk.draws {least}, lower --least or leave {skill} out of --skills"
+        raise IctampError(Code.TOO_FEW_DATA, problem, file=folder, value=most, advice=advice)
     _check(folder, skill, cases)
     return cases
 
@@ -111,15 +110,11 @@ def _check(folder: Path, skill: str, cases: Sequence[Case]) -> None:
     """Raise IctampError unless figures and their intervals can be computed."""
     attempts, successes = sum(map(len, cases)), sum(int(case.outcomes.sum()) for case in cases)
     if successes in (0, attempts):
-        raise IctampError(
-            f"{folder}: of {attempts} attempts to {skill} {successes} succeeded, but both successes and failures are "
-            f"needed; collect in more scenes"
-        )
+        problem = f"expected successes and failures, got {{value}} successes in {attempts} attempts to {skill}"
+        raise IctampError(Code.TOO_FEW_DATA, problem, file=folder, value=successes, advice="collect in more scenes")
     if len({case.scene for case in cases}) < 2:
-        raise IctampError(
-            f"{folder}: all cases of {skill} are in scene {cases[0].scene}, but intervals need two scenes at least; "
-            f"collect in more scenes"
-        )
+        problem = f"expected cases of {skill} in two scenes at least, got one"
+        raise IctampError(Code.TOO_FEW_DATA, problem, file=folder, value=1, advice="collect in more scenes")
 
 
 def count_outcomes(cases: Sequence[Case]) -> Counts:

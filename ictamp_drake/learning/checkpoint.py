@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import whole
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.observation.state_matrix import SCHEMA
 
 SHIPPED = Path(__file__).parent / "checkpoints"
@@ -81,31 +83,43 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
     """
     path = folder / name_of(kind, skill)
     if not path.is_file():
-        program = _PROGRAMS[kind]
-        raise IctampError(
-            f"{path}: there is no such checkpoint; train one with experiments.{program} or name its folder"
-        )
+        advice = f"train it with ictamp_drake.experiments.{_PROGRAMS[kind]}, or give the folder that has it"
+        raise IctampError(Code.NOT_FOUND, "no such checkpoint", file=path, advice=advice)
     arrays, metadata = read(path)
-    names = {"kind", "skill", "network", "provenance", "metrics", "schema", "k"}
-    if not names <= metadata.keys():
-        missing = ", ".join(sorted(names - metadata.keys()))
-        raise IctampError(f"{path}: is not a checkpoint of this package, since its metadata has no {missing}")
-    found, wanted = f"{metadata['kind']} of {metadata['skill']}", f"{kind} of {skill}"
-    if found != wanted:
-        raise IctampError(f"{path}: holds the {found}, but must hold the {wanted}")
-    schema = metadata.pop("schema")
-    if schema != json.loads(json.dumps(SCHEMA.as_dict())):
-        raise IctampError(
-            f"{path}: was trained on state matrices of version {schema['version']}, but this package makes version "
-            f"{SCHEMA.version}, whose columns differ; train it again"
-        )
-    if metadata["k"] != K_SCHEMA:
-        version = metadata["k"].get("version")
-        raise IctampError(
-            f"{path}: reads k in the way of version {version}, but this package in that of {K_SCHEMA['version']}; "
-            f"train it again"
-        )
-    return Checkpoint(arrays=arrays, **{name: metadata[name] for name in names - {"schema", "k"}})
+    with in_file(path):
+        found = decode(_Metadata, metadata)
+        _check_metadata(found, kind, skill)
+    return Checkpoint(kind, skill, arrays, found.network, found.provenance, found.metrics)
+
+
+@dataclass(frozen=True)
+class _Metadata:
+    """What a file says of its numbers."""
+
+    kind: str
+    skill: str
+    network: dict[str, object]
+    provenance: dict[str, object]
+    metrics: dict[str, float]
+    schema: dict[str, object]
+    k: dict[str, object]
+
+
+def _check_metadata(found: _Metadata, kind: Kind, skill: str) -> None:
+    """Raise IctampError unless the numbers are what is looked for, and made by this version."""
+    holds, wanted = f"{found.kind} of {found.skill}", f"{kind} of {skill}"
+    if holds != wanted:
+        raise IctampError(Code.WRONG_TYPE, f"expected the {wanted}, got the {holds}", field="kind", value=holds)
+    versions = {
+        "schema": (found.schema, json.loads(json.dumps(SCHEMA.as_dict()))),
+        "k": (found.k, json.loads(json.dumps(K_SCHEMA))),
+    }
+    for field, (theirs, ours) in versions.items():
+        if theirs != ours:
+            problem = f"expected version {ours['version']} of the networks' input, got {{value}}"
+            version = theirs.get("version")
+            advice = "train it again"
+            raise IctampError(Code.OTHER_VERSION, problem, field=f"{field}.version", value=version, advice=advice)
 
 
 def check_all(folder: Path, kind: Kind) -> None:
@@ -134,4 +148,4 @@ def read(path: Path) -> tuple[Arrays, dict[str, Any]]:
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (not a dict)
         return arrays, json.loads(text)
     except (SafetensorError, OSError, ValueError) as error:
-        raise IctampError(f"{path}: cannot be read as a safetensors file, it may be damaged ({error})") from error
+        raise IctampError(Code.DAMAGED, f"cannot be read as safetensors: {error}", file=path) from error

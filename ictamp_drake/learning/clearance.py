@@ -9,15 +9,11 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.hand import FINGER, MAX_OPENING, PALM, WRIST
 
-FINGER = (0.011, 0.0135, -0.0095)
-"""Half sides along x and y of an open finger, and the height of its tip in G with z up [m]."""
-PALM = (0.0195, 0.101, 0.037)
-WRIST = (0.075, 0.075, 0.105)
 PARTS = 4
 """Fingers, palm, wrist, box."""
-_SIDE = GRIPPER_MAX_WIDTH / 2 + FINGER[1]
+_SIDE = MAX_OPENING / 2 + FINGER.half_width
 _HAND = torch.tensor([(_SIDE, *FINGER), (-_SIDE, *FINGER), (0.0, *PALM), (0.0, *WRIST)])
 """Of each part of the hand: shift across G's x axis, half sides, height of the lower face [m]."""
 

@@ -19,9 +19,10 @@ import pyarrow.dataset as pads
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import whole
-from ictamp_drake.core.reading import build
+from ictamp_drake.core.reading import parse_json
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
 from ictamp_drake.scenes.spec import SceneSpec, to_dict
@@ -144,7 +145,8 @@ def open_table(folder: Path) -> pads.Dataset:
     """
     paths = sorted(path for path in folder.glob("*.parquet") if not path.name.startswith("."))
     if not paths:
-        raise IctampError(f"{folder}: no recorded attempts (*.parquet) there; make some with experiments.collect")
+        advice = "collect some with ictamp_drake.experiments.collect"
+        raise IctampError(Code.NOT_FOUND, "no recorded attempts (*.parquet)", file=folder, advice=advice)
     return pads.dataset(paths, schema=FIELDS, format="parquet")
 
 
@@ -156,7 +158,7 @@ def scene_text(spec: SceneSpec) -> str:
 @lru_cache(maxsize=256)
 def scene(text: str) -> SceneSpec:
     """The scene of a row."""
-    return build(SceneSpec, json.loads(text))
+    return decode(SceneSpec, parse_json(text))
 
 
 def configuration(row: Mapping[str, Any]) -> Configuration:

@@ -1,7 +1,5 @@
 """Trained networks from their checkpoints, ready for use."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +10,9 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.learning.checkpoint import Arrays, Kind, load, name_of
 from ictamp_drake.learning.classifier import Classifier
@@ -116,6 +116,14 @@ def _version(path: Path) -> tuple[int, ...]:
     return found.st_mtime_ns, found.st_size, found.st_ino
 
 
+@dataclass(frozen=True)
+class _Networks:
+    """What a checkpoint of the kinds policy and estimator says of its networks."""
+
+    policy: PolicyNetworkConfig
+    critic: NetworkConfig
+
+
 def _policy_and_critic(folder: Path, kind: Kind, skill: str) -> tuple[Policy, Classifier]:
     return _load_cached(folder, kind, skill, _version(folder / name_of(kind, skill)))
 
@@ -126,9 +134,9 @@ def _load_cached(folder: Path, kind: Kind, skill: str, _: tuple[int, ...]) -> tu
     torch.set_num_threads(1)  # small networks are fastest so
     found = load(folder, kind, skill)
     path = folder / name_of(kind, skill)
-    with _explain_errors(path):
-        policy = policy_network(found.network["policy"]).create(skill)
-        critic = Classifier(skill, NetworkConfig(**found.network["critic"]))
+    with in_file(path):
+        networks = decode(_Networks, found.network, "network")
+    policy, critic = networks.policy.create(skill), Classifier(skill, networks.critic)
     return _fill_module(policy, found.arrays, "policy.", path), _fill_module(critic, found.arrays, "critic.", path)
 
 
@@ -146,27 +154,14 @@ def _load_dynamics_cached(folder: Path, skill: str, _: tuple[int, ...]) -> Dynam
     torch.set_num_threads(1)
     found = load(folder, "dynamics", skill)
     path = folder / name_of("dynamics", skill)
-    with _explain_errors(path):
-        dynamics = Dynamics(skill, NetworkConfig(**found.network))
+    with in_file(path):
+        dynamics = Dynamics(skill, decode(NetworkConfig, found.network, "network"))
     return DynamicsModel(_fill_module(dynamics, found.arrays, "", path))
-
-
-def policy_network(values: Mapping[str, Any]) -> PolicyNetworkConfig:
-    """The configuration as it was before it became JSON."""
-    return PolicyNetworkConfig(**{**values, "network": NetworkConfig(**values["network"])})
 
 
 def arrays_of(module: nn.Module, prefix: str = "") -> dict[str, NDArray[Any]]:
     """The numbers of a network, for a checkpoint."""
     return {prefix + name: tensor.numpy() for name, tensor in module.state_dict().items()}
-
-
-@contextmanager
-def _explain_errors(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except (KeyError, TypeError) as error:
-        raise IctampError(f"{path}: does not describe networks of this package ({error})") from error
 
 
 def _fill_module(module: Module, arrays: Arrays, prefix: str, path: Path) -> Module:
@@ -176,7 +171,5 @@ def _fill_module(module: Module, arrays: Arrays, prefix: str, path: Path) -> Mod
     try:
         module.load_state_dict(state)
     except RuntimeError as error:
-        raise IctampError(
-            f"{path}: its numbers do not fit the networks that it describes, it may be damaged"
-        ) from error
+        raise IctampError(Code.DAMAGED, "its numbers do not fit the networks that it describes", file=path) from error
     return module.eval()

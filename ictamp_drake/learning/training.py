@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.learning.batches import Batch
 from ictamp_drake.learning.checkpoint import read, write
@@ -169,9 +169,8 @@ class Fit:
             return
         arrays, metadata = read(path)
         if metadata.get("purpose") != self._purpose:
-            raise IctampError(
-                f"{path}: made with other options or other attempts; give those it was made with, or another --out"
-            )
+            problem, advice = "made with other options or other attempts", "give those again, or choose another --out"
+            raise IctampError(Code.OTHER_OPTIONS, problem, file=path, advice=advice)
         tensors = {name: torch.from_numpy(array.copy()) for name, array in arrays.items()}
         self._objective.module.load_state_dict(_strip_prefix("weights.", tensors))
         self._best = _strip_prefix("best.", tensors)

@@ -7,11 +7,12 @@ until another node, an earlier action or another plan is nearer.
 
 from collections import defaultdict
 from dataclasses import dataclass, field
+from math import inf
 from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig, Mean
@@ -34,9 +35,7 @@ class AdaptiveConfig:
     expanding: float = 3e-5
 
     def __post_init__(self) -> None:
-        for name in ("opening", "expanding"):
-            if not getattr(self, name) >= 0:
-                raise IctampError(f"{name} of adaptive allocation is {getattr(self, name)}, but must be 0 or more.")
+        check_fields(self, "planners.adaptive", opening=(0, inf), expanding=(0, inf))
 
     def create(self, estimator: Estimator[C]) -> "Adaptive[C]":
         """The rule for one search."""

@@ -4,10 +4,10 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import isinf
+from math import inf
 from typing import Generic, NamedTuple
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import FINITE, POSITIVE, check_fields
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Action, C, Obstruction, Skeleton, State
 from ictamp_drake.planning.credit import EdgeBelief, Lineage, Way
@@ -41,15 +41,11 @@ class BeliefsConfig:
     patience: float = 1.5
 
     def __post_init__(self) -> None:
-        for name in ("strength", "floor", "hope", "effort", "trying", "simulating", "patience"):
-            if not getattr(self, name) > 0:
-                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be more than 0.")
-        for name in ("floor", "hope"):
-            if getattr(self, name) > 1:
-                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be at most 1.")
-        for name in ("strength", "effort", "trying", "simulating"):
-            if isinf(getattr(self, name)):
-                raise IctampError(f"{name} of the beliefs is {getattr(self, name)}, but must be finite.")
+        share, finite = (POSITIVE, 1), (POSITIVE, FINITE)
+        check_fields(self, "planners.adaptive.beliefs", floor=share, hope=share, patience=(POSITIVE, inf))
+        check_fields(
+            self, "planners.adaptive.beliefs", strength=finite, effort=finite, trying=finite, simulating=finite
+        )
 
 
 class Beliefs(Generic[C]):

@@ -12,11 +12,12 @@ The node of the least priority is computed next; when it is met for the first ti
 
 from dataclasses import dataclass
 from heapq import heappop, heappush
+from math import inf
 from typing import Generic, NamedTuple
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import POSITIVE, check_fields
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import ask_estimator
@@ -48,14 +49,8 @@ class ElsConfig:
     floor: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("p_w", "p_c", "eps"):
-            if not getattr(self, name) >= 0:
-                raise IctampError(f"{name} of els is {getattr(self, name)}, but must be 0 or more.")
-        for name in ("w0", "c0", "floor"):
-            if not getattr(self, name) > 0:
-                raise IctampError(f"{name} of els is {getattr(self, name)}, but must be more than 0.")
-        if self.floor > 1:
-            raise IctampError(f"floor of els is {self.floor}, but must be at most 1.")
+        check_fields(self, "planners.els", p_w=(0, inf), p_c=(0, inf), eps=(0, inf))
+        check_fields(self, "planners.els", w0=(POSITIVE, inf), c0=(POSITIVE, inf), floor=(POSITIVE, 1))
 
     def create(self, estimator: Estimator[C]) -> "Els[C]":
         """The rule for one search."""

@@ -5,7 +5,7 @@ from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C, Skeleton
 from ictamp_drake.planning.tree import RunStep, Tree
@@ -40,7 +40,8 @@ def ask_estimator(estimator: Estimator[C], options: Sequence[tuple[C, Skeleton]]
     values = np.asarray(estimator.estimate(options), dtype=np.float64)
     name = type(estimator).__name__
     if values.shape != (len(options),):
-        raise IctampError(f"P of {name} is of shape {values.shape}, but must be of {(len(options),)}, one an option.")
+        problem = f"expected P of shape {(len(options),)}, one for each option, got shape {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, problem, field=name, value=values.shape)
     for P in values[~((values >= 0) & (values <= 1))]:
-        raise IctampError(f"P of {name} is {P}, but must be between 0 and 1.")
+        raise IctampError(Code.OUT_OF_RANGE, "expected P from 0 to 1, got {value}", field=name, value=float(P))
     return values.tolist()

@@ -4,11 +4,12 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import Estimator, PlanGenerator, SkillRunner
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Attempt, C, State
@@ -38,10 +39,8 @@ class Budget:
     steps: int | None = None
 
     def __post_init__(self) -> None:
-        if not self.seconds >= 0:
-            raise IctampError(f"seconds of the budget is {self.seconds}, but must be 0 or more.")
-        if self.steps is not None and self.steps < 0:
-            raise IctampError(f"steps of the budget is {self.steps}, but must be 0 or more, or None.")
+        check_range("budget.seconds", self.seconds, 0, inf, " s")
+        check_range("budget.steps", self.steps or 0, 0, inf)
 
 
 @dataclass(frozen=True)
@@ -59,8 +58,7 @@ class PlannerConfig:
     rule: RuleConfig = field(default_factory=ProportionalConfig)
 
     def __post_init__(self) -> None:
-        if self.max_expansions < 1:
-            raise IctampError(f"max_expansions of the planner is {self.max_expansions}, but must be 1 or more.")
+        check_range("max-expansions", self.max_expansions, 1, inf)
 
     def create(
         self,

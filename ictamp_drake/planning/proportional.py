@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import Estimates
@@ -33,9 +34,7 @@ class ProportionalConfig:
     redraw: bool = True
 
     def __post_init__(self) -> None:
-        for name in ("W", "floor"):
-            if not getattr(self, name) >= 0:
-                raise IctampError(f"{name} of the selection rule is {getattr(self, name)}, but must be 0 or more.")
+        check_fields(self, "planners.completion-tree", W=(0, inf), floor=(0, inf))
 
     def create(self, estimator: Estimator[C]) -> "Proportional[C]":
         """The rule for one search."""

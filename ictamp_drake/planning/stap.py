@@ -2,11 +2,12 @@
 
 from collections import deque
 from dataclasses import dataclass
+from math import inf
 from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.protocols import Estimator, PlanOptimizer
 from ictamp_drake.core.types import C, FloatArray
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -30,9 +31,7 @@ class StapConfig:
     iterations: int = 4
 
     def __post_init__(self) -> None:
-        for name, least in (("extra", 0), ("plans", 1), ("draws", 1), ("iterations", 0)):
-            if getattr(self, name) < least:
-                raise IctampError(f"{name} of stap is {getattr(self, name)}, but must be {least} or more.")
+        check_fields(self, "planners.stap", extra=(0, inf), plans=(1, inf), draws=(1, inf), iterations=(0, inf))
 
     def create(self, estimator: Estimator[C]) -> "Stap[C]":
         """The rule for one search.

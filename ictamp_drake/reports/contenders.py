@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
 from ictamp_drake.estimators.p_score import PScoreConfig
@@ -57,7 +57,8 @@ def _read_base_rate(checkpoints: Path, skill: str) -> float:
     metrics = load(checkpoints, "estimator", skill).metrics
     if "base_rate" not in metrics:
         path = checkpoints / name_of("estimator", skill)
-        raise IctampError(f"{path}: its metrics have no base_rate; name it by --base-rate.{skill}, e.g. 0.5")
+        advice = f"give it by --base-rate.{skill}, e.g. 0.5"
+        raise IctampError(Code.MISSING_FIELD, "missing field", file=path, field="metrics.base_rate", advice=advice)
     return metrics["base_rate"]
 
 

@@ -54,7 +54,7 @@ def ask_contenders(cases: Sequence[Case], contenders: Mapping[str, Contender]) -
 def _plan_cases(world: World, cases: Sequence[Case]) -> Iterator[tuple[Case, Skeleton]]:
     """Each case with its plan."""
     spec, abstraction = world.spec, SceneAbstraction(world)
-    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"scene {cases[0].scene}: goal")
+    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
     domains: dict[State, Domain] = {}
     for case in cases:
         state = abstraction(case.c)

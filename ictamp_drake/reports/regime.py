@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.runs.folder import CONFIG, RESULTS, read_config
 from ictamp_drake.runs.records import OWN, Record, read_records
@@ -49,12 +49,13 @@ def read_regime(folder: Path) -> Regime:
     """
     if not (folder / RESULTS).is_file():
         runs = sorted(path.parent.name for path in folder.parent.glob(f"*/{RESULTS}"))
-        choices = f"the folders beside it that do are: {', '.join(runs)}" if runs else "nor does any folder beside it"
-        raise IctampError(f"runs: {folder} holds no {RESULTS}; {choices}")
+        problem = f"expected a folder that holds {RESULTS}, got {{value}}"
+        raise IctampError(Code.NOT_A_RUN, problem, field="runs", value=str(folder), choices=runs)
     records = list(read_records(folder / RESULTS).values())
     finished = [record for record in records if record.stop_reason != StopReason.STOPPED.name]
     if not finished:
-        raise IctampError(f"{folder / RESULTS}: holds no finished run; interrupted ones: {len(records)}")
+        problem = f"expected at least one finished problem, got {len(records)} interrupted ones"
+        raise IctampError(Code.TOO_FEW_DATA, problem, file=folder / RESULTS)
     config = read_config(folder / CONFIG) if (folder / CONFIG).exists() else {}
     limits = {float(value) for value in _values(config, "time_limit") if isinstance(value, int | float)}
     limit = limits.pop() if len(limits) == 1 else None

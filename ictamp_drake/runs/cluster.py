@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import ray
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.runs.pool import Pool, start_pool
 
 T = TypeVar("T")
@@ -54,7 +54,8 @@ def _knock(address: str | None) -> None:
         try:
             socket.create_connection((host, int(port)), timeout=10).close()
         except OSError as error:
-            raise IctampError(f"ray-address is '{address}', where no cluster answers: {error}") from error
+            problem = f"no cluster answers at {{value}}: {error}"
+            raise IctampError(Code.NOT_REACHABLE, problem, field="ray-address", value=address) from error
 
 
 def _run_isolated(start: Start, function: Callable[..., T], arguments: tuple[Any, ...], timeout: float) -> T:

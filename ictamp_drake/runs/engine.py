@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from typing import Any, Literal, Protocol, TypeVar
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.runs.inline import start_inline
 from ictamp_drake.runs.pool import start_pool
 
@@ -45,7 +45,8 @@ class EngineConfig:
     def check(self) -> None:
         """Raise IctampError when the engine is not installed."""
         if self.engine == "ray" and find_spec("ray") is None:
-            raise IctampError("engine is 'ray', which is not installed: pip install \"ictamp_drake[ray]\"")
+            advice = 'run pip install "ictamp_drake[ray]"'
+            raise IctampError(Code.NOT_INSTALLED, "ray is not installed", field="engine", value="ray", advice=advice)
 
     def count_local_workers(self, tasks: int) -> int:
         """Number of processes of this machine that so many tasks are given to."""

@@ -18,9 +18,10 @@ from typing import Any
 
 import yaml
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import mapping
+from ictamp_drake.core.errors import Code, IctampError, show
 from ictamp_drake.core.files import make_folder, write_whole
-from ictamp_drake.core.reading import mapping, parse, read_text
+from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.records import drop_torn_line
@@ -39,6 +40,9 @@ _LEFTOVER = re.compile(rf"\.lock|\.{re.escape(CONFIG)}\.\d+")
 
 _TIME = "-".join("[0-9]" * digits for digits in (8, 6))
 """Pattern of the time in the name of a folder."""
+
+
+_START = "leave out --resume to start a run"
 
 
 @contextmanager
@@ -76,12 +80,12 @@ def open_run_folder(name: str, work: Mapping[str, Any], conduct: Conduct) -> Ite
 def _path(name: str, conduct: Conduct) -> Path:
     if conduct.out is not None:
         if conduct.resume and not (conduct.out / CONFIG).exists():
-            raise IctampError(f"{conduct.out}: there is no run to resume; leave --resume out to start one there")
+            raise IctampError(Code.NO_RUN, "no run to resume", file=conduct.out, advice=_START)
         return conduct.out
     if conduct.resume:
         runs = sorted(RUNS.glob(f"{glob.escape(name)}-{_TIME}/{CONFIG}"), key=lambda path: path.stat().st_mtime)
         if not runs:
-            raise IctampError(f"{RUNS / name}-*: there is no run to resume; leave --resume out to start one")
+            raise IctampError(Code.NO_RUN, "no run to resume", file=f"{RUNS / name}-*", advice=_START)
         return runs[-1].parent
     return RUNS / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
@@ -91,7 +95,8 @@ def _read_previous_config(path: Path) -> dict[str, Any]:
     if (path / CONFIG).exists():
         return read_config(path / CONFIG)
     if path.exists() and not (path.is_dir() and all(_LEFTOVER.fullmatch(each.name) for each in path.iterdir())):
-        raise IctampError(f"{path}: exists and is not the folder of a run (it has no {CONFIG}); choose another --out")
+        problem = f"not the folder of a run, since it has no {CONFIG}"
+        raise IctampError(Code.NOT_A_RUN, problem, file=path, advice="choose another --out")
     return {}
 
 
@@ -101,15 +106,12 @@ def read_config(path: Path) -> dict[str, Any]:
     Raises:
         IctampError: the file is not one.
     """
-    text = read_text(path)
-    try:
-        config = dict(mapping(parse(text), ""))
+    with in_file(path):
+        config = dict(mapping(parse(read_text(path))))
         for key in WIDENED:
             mapping(config.get(key, {}), key)
         if not isinstance(sessions := config.get("sessions", []), list):
-            raise IctampError(f"sessions is {sessions!r}, but must be a list")
-    except IctampError as error:
-        raise IctampError(f"{path}: {error}") from error
+            raise IctampError(Code.WRONG_TYPE, "expected a list, got {value}", field="sessions", value=sessions)
     return config
 
 
@@ -127,10 +129,14 @@ def check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) 
     before, now = (_flatten(_keep_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
     for key in [*now, *before]:
         if before.get(key) != now.get(key):
-            was, new = (json.dumps(values.get(key)) for values in (before, now))
+            was = show(before.get(key))
             raise IctampError(
-                f"{path}: cannot be continued with {_option(key)} {new}, since it was made with {was}; "
-                f"take that value or another --out"
+                Code.OTHER_OPTIONS,
+                f"cannot be continued with {{value}}, since it was made with {was}",
+                file=path,
+                field=_option(key),
+                value=now.get(key),
+                advice="give that value or choose another --out",
             )
 
 
@@ -154,9 +160,8 @@ def lock_folder(path: Path) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise IctampError(
-                f"{path}: another process is at work in this folder; wait for it or choose another --out"
-            ) from error
+            problem, advice = "another process works in this folder", "wait for it or choose another --out"
+            raise IctampError(Code.IN_USE, problem, file=path, advice=advice) from error
         yield
 
 

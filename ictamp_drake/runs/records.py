@@ -8,11 +8,12 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import UnionType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import TypeVar
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode, mapping
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.tamp.explanation import Blocked, Explanation
 from ictamp_drake.tamp.replay import duration
@@ -169,7 +170,8 @@ def append(record: Record, path: Path) -> None:
             os.fsync(file.fileno())
         except OSError as error:
             file.truncate(before)
-            raise IctampError(f"{path}: a record could not be written: {error.strerror}") from error
+            problem = f"a record cannot be written: {error.strerror}"
+            raise IctampError(Code.NOT_WRITABLE, problem, file=path) from error
 
 
 def drop_torn_line(path: Path) -> None:
@@ -181,7 +183,7 @@ def drop_torn_line(path: Path) -> None:
         _parse(last)
         with path.open("ab") as file:
             file.write(b"\n")
-    except _NO_RECORD:
+    except IctampError:
         os.truncate(path, len(before) + len(newline))
 
 
@@ -189,43 +191,23 @@ def read_records(path: Path) -> dict[str, Record]:
     """The last record of each name, in the order in which they were written.
 
     Raises:
-        IctampError: when a line is not a record.
+        IctampError: A line is not a record.
     """
     records: dict[str, Record] = {}
-    lines = path.read_bytes().splitlines() if path.exists() else []
+    lines = read_bytes(path).splitlines() if path.exists() else []
     for number, line in enumerate(lines, 1):
         try:
             record = _parse(line)
-        except _NO_RECORD as error:
-            raise IctampError(f"{path}: line {number} is not a record: {error}") from error
+        except IctampError as error:
+            error.add_file(path, number)
+            raise
         records.pop(record.name, None)
         records[record.name] = record
     return records
 
 
-_NO_RECORD = (ValueError, TypeError)
-"""What `_parse` raises."""
-
-
 def _parse(line: bytes) -> Record:
-    values: dict[str, Any] = {"load": [], **json.loads(line)}
-    for name, hint in get_type_hints(Record).items():
-        if name in values and not _fits(values[name], hint):
-            shown = hint.__name__ if isinstance(hint, type) else hint
-            raise TypeError(f"{name} is {values[name]!r}, but must be of type {shown}")
-    return Record(**values | {name: tuple(value) for name, value in values.items() if isinstance(value, list)})
-
-
-def _fits(value: Any, hint: Any) -> bool:
-    """Whether a value of JSON is of the type."""
-    origin, parts = get_origin(hint), get_args(hint)
-    if origin is UnionType:
-        return any(_fits(value, part) for part in parts)
-    if origin is tuple:
-        return isinstance(value, list) and all(_fits(item, parts[0]) for item in value)
-    if origin is dict:
-        return isinstance(value, dict) and all(_fits(item, parts[1]) for item in value.values())
-    return type(value) in ((int, float) if hint is float else (hint,))
+    return decode(Record, {"load": [], **mapping(parse_json(line))})
 
 
 def _to_names(counts: Counter[Failure]) -> dict[str, int]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
@@ -44,7 +44,8 @@ class Problem:
 
     def __post_init__(self) -> None:
         if self.name.startswith("."):
-            raise IctampError(f"the name of a scene is '{self.name}', but must not begin with a dot")
+            problem = "expected a name that does not begin with a dot, got {value}"
+            raise IctampError(Code.BAD_NAME, problem, field="name", value=self.name)
 
 
 @dataclass(frozen=True)

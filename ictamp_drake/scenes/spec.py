@@ -14,17 +14,17 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.checks import check_choice, check_names, check_range, check_vector
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
-from ictamp_drake.core.reading import build, parse, read_text
+from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import SUPPORTS, read_thing
 
 Vector = tuple[float, float, float]
 
-GRIPPER_WIDTH = 0.075
-"""Widest side that the hand takes [m]: its opening of 0.08 m less the play that fingers need."""
-
-SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
+SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPPORTS}
 """Default size (x, y, z) of each kind of support [m]."""
 
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
@@ -117,11 +117,9 @@ class BoxSpec:
     def _check_width(self) -> None:
         upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
-        if width > GRIPPER_WIDTH:
-            raise IctampError(
-                f"size is {list(self.size)}: too wide for the gripper, which needs a horizontal side "
-                f"of at most {GRIPPER_WIDTH} m where the narrowest one is {width:g} m"
-            )
+        if width > MAX_SIDE:
+            problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"
+            raise IctampError(Code.TOO_WIDE, problem, field="size", value=self.size)
 
     @property
     def _rotation(self) -> Rotation:
@@ -176,12 +174,13 @@ class SceneSpec:
     def __post_init__(self) -> None:
         for section in ("supports", "boxes"):
             if not getattr(self, section):
-                raise IctampError(f"{section} is empty, but must name at least one")
-        check_names([*self.supports, *self.boxes])
+                raise IctampError(Code.EMPTY, "expected at least one", field=section)
+        check_names(supports=self.supports, boxes=self.boxes)
         if self.start.held:
             check_choice("start.held", self.start.held, self.boxes)
         if not self.goal.strip():
-            raise IctampError("goal is empty, but must be a PDDL formula, e.g. (on red_box table)")
+            problem = "expected a PDDL formula, e.g. (on red_box table), got {value}"
+            raise IctampError(Code.EMPTY, problem, field="goal", value=self.goal)
         check_range("seed", self.seed, 0, 2**63 - 1)
         for kind in self.interference:
             check_choice("interference", kind, INTERFERENCES)
@@ -191,13 +190,10 @@ def load_scene(path: Path | str) -> SceneSpec:
     """Read a scene file.
 
     Raises:
-        IctampError: one sentence that names the file, the field, its value and the valid choices.
+        IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
     """
-    text = read_text(path)
-    try:
-        return build(SceneSpec, parse(text))
-    except IctampError as error:
-        raise IctampError(f"{path}: {error}") from error
+    with in_file(path):
+        return decode(SceneSpec, parse(read_text(path)))
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:

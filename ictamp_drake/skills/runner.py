@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import inf
 from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 
-from ictamp_drake.core.checks import check_choice
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_choice, check_range
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.stopwatch import Stopwatch
@@ -50,8 +50,7 @@ class SkillsConfig:
     motion: MotionConfig = MotionConfig()
 
     def __post_init__(self) -> None:
-        if self.draws < 1:
-            raise IctampError(f"draws of the skills is {self.draws}, but must be 1 or more")
+        check_range("skills.draws", self.draws, 1, inf)
 
     def create(
         self,
@@ -68,7 +67,7 @@ class SkillsConfig:
         """
         configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
         for name in own:
-            check_choice("the action of a skill of one's own", name, configs)
+            check_choice("skills", name, configs)
         planner = MotionPlanner(world, self.motion)
         skills = {name: config.create(world, planner) for name, config in {**configs, **own}.items()}
         return Skills(self.draws, abstraction, physics, sampler.create(world, planner.kinematics), skills)

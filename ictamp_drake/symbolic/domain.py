@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import IN_HAND, LYING, MOVED, ON, TIPPED, UPRIGHT
 from ictamp_drake.symbolic.grounding import GroundAction, ground
@@ -102,8 +102,8 @@ def _typed_objects(boxes: Sequence[str], supports: Sequence[str]) -> dict[str, s
     for kind, names in (("box", boxes), ("support", supports)):
         for name in names:
             if name in taken or name in types:
-                why = "that of another object or a word of the planning domain"
-                raise IctampError(f'The name "{name}" of a {kind} is {why}: choose another one.')
+                problem = f"the name {{value}} of a {kind} is that of another object or a word of the planning domain"
+                raise IctampError(Code.BAD_NAME, problem, value=name, advice="choose another name")
             types[name] = kind
     return types
 
@@ -113,9 +113,9 @@ def _check_place(box: str, initial: State) -> None:
         _atoms_about(box, predicates, initial) for predicates in ((ON, LYING, IN_HAND), (UPRIGHT, TIPPED))
     )
     if len(place) != 1 or len(posture) != 1:
+        expected = "expected one of on, lying and in-hand, and one of upright and tipped, in the initial state"
         found = ", ".join(map(str, (*place, *posture))) or "nothing"
-        needed = "one of on, lying and in-hand, and one of upright and tipped"
-        raise IctampError(f'The initial state says {found} of the box "{box}", but must say {needed}.')
+        raise IctampError(Code.BAD_STATE, f"{expected}, got {found}", field=box, value=[*place, *posture])
 
 
 def _atoms_about(box: str, predicates: tuple[str, ...], state: State) -> list[Atom]:

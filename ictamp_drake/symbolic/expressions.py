@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from textwrap import shorten
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 
 MAX_CHARACTERS = 200_000
 """Longest text that is read."""
@@ -42,18 +42,20 @@ def read(text: str) -> Group:
         IctampError: what was expected in which line.
     """
     if len(text) > MAX_CHARACTERS:
-        raise IctampError(f"expected at most {MAX_CHARACTERS} characters, not {len(text)}")
+        problem = f"expected at most {MAX_CHARACTERS} characters, got {{value}}"
+        raise IctampError(Code.TOO_LARGE, problem, value=len(text))
     whole, line = None, 1
     unclosed: list[tuple[int, list[Expression]]] = []
     for token, line in _tokens(text):
         if whole is not None:
-            raise IctampError(f'line {line}: expected the end of the text, not "{quote_expression(token)}"')
+            raise _unexpected(token, "the end of the text", line)
         if token == "(":
             unclosed.append((line, []))
             if len(unclosed) > MAX_DEPTH:
-                raise IctampError(f"line {line}: expected brackets to be nested at most {MAX_DEPTH} deep")
+                problem = f"expected brackets nested at most {MAX_DEPTH} deep"
+                raise IctampError(Code.TOO_DEEP, problem, line=line)
         elif not unclosed:
-            raise IctampError(f'line {line}: expected "(", not "{quote_expression(token)}"')
+            raise _unexpected(token, "(", line)
         elif token != ")":
             unclosed[-1][1].append(token)
         else:
@@ -64,9 +66,13 @@ def read(text: str) -> Group:
             else:
                 whole = group
     if whole is None:
-        missing = f'")" for the "(" of line {unclosed[-1][0]}' if unclosed else '"("'
-        raise IctampError(f"line {line}: expected {missing}, not the end of the text")
+        missing = f") for the ( of line {unclosed[-1][0]}" if unclosed else "("
+        raise IctampError(Code.NOT_PDDL, f"expected {missing}, got the end of the text", line=line)
     return whole
+
+
+def _unexpected(token: str, expected: str, line: int) -> IctampError:
+    return IctampError(Code.NOT_PDDL, f"expected {expected}, got {{value}}", line=line, value=quote_expression(token))
 
 
 def _tokens(text: str) -> Iterator[tuple[str, int]]:

@@ -2,72 +2,80 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import LYING, ON, tipped_boxes
 from ictamp_drake.symbolic.expressions import Expression, Group, quote_expression, read
 
-_FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...), with lying for on if BOX is tipped"
+_FORM = "write (on BOX OBJECT) or (and (on BOX OBJECT) ...), with lying for on if BOX is tipped over"
+_FIELD = "goal"
 
 
-def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: str = "goal") -> frozenset[Atom]:
+def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str]) -> frozenset[Atom]:
     """The atoms of a conjunction of (on BOX OBJECT) and, for boxes on their side, (lying BOX OBJECT).
 
     Raises:
-        IctampError: syntax, an unknown predicate or object, a wrong number of objects, or atoms that cannot hold
-            together; the sentence begins with `where`, e.g. "scene.yaml: goal".
+        IctampError: Syntax, an unknown predicate or object, a wrong number of objects, or atoms that cannot hold
+            together.
     """
-    goal = frozenset(_atom(literal, boxes, supports, where) for literal in _literals(text, where))
+    goal = frozenset(_atom(literal, boxes, supports) for literal in _literals(text))
     for contradiction in _contradictions(goal, boxes):
-        raise IctampError(f"{where}: {contradiction}.")
+        raise IctampError(Code.IMPOSSIBLE_GOAL, contradiction, field=_FIELD, value=text)
     return goal
 
 
-def check_goal(goal: frozenset[Atom], initial: State, where: str = "goal") -> None:
+def check_goal(goal: frozenset[Atom], initial: State) -> None:
     """Refuse a goal that needs no plan, or that no plan can reach, from the initial state.
 
     Raises:
         IctampError: the goal holds already, or wants a box upright that lies on its side or the other way round.
     """
     if goal <= initial:
-        raise IctampError(f"{where}: {_text(goal)} already holds in the initial state, there is nothing to plan.")
+        raise IctampError(Code.GOAL_HOLDS, "{value} already holds at the start", field=_FIELD, value=_text(goal))
     for atom in sorted(goal):
         tipped = atom.args[0] in tipped_boxes(initial)
         if tipped != (atom.predicate == LYING):
             posture, change = ("tipped over", "stands a box up") if tipped else ("upright", "tips a box over")
-            why = f"{atom.args[0]} is {posture} in the initial state and no skill {change}"
-            raise IctampError(f"{where}: {_pddl(atom)} cannot be reached, {why}.")
+            problem = f"{{value}} cannot be reached: {atom.args[0]} is {posture} at the start, and no skill {change}"
+            raise IctampError(Code.IMPOSSIBLE_GOAL, problem, field=_FIELD, value=_pddl(atom))
 
 
-def _literals(text: str, where: str) -> Sequence[Expression]:
+def _literals(text: str) -> Sequence[Expression]:
     try:
         formula = read(text)
     except IctampError as error:
-        raise IctampError(f'{where}: cannot read "{quote_expression(text)}", {error}; {_FORM}.') from error
+        quoted = quote_expression(text)
+        raise _not_a_goal(f"cannot read {{value}}: {error}", quoted) from error
     literals = formula.items[1:] if formula.items[:1] == ("and",) else (formula,)
     if not literals:
-        raise IctampError(f"{where}: (and) is empty; {_FORM}.")
+        raise _not_a_goal("expected atoms, got {value}", text)
     return literals
 
 
-def _atom(literal: Expression, boxes: Sequence[str], supports: Sequence[str], where: str) -> Atom:
+def _atom(literal: Expression, boxes: Sequence[str], supports: Sequence[str]) -> Atom:
     written = quote_expression(literal)
     words = [word for word in literal.items if isinstance(word, str)] if isinstance(literal, Group) else []
     if not isinstance(literal, Group) or len(words) < len(literal.items):
-        raise IctampError(f"{where}: {written} is not an atom; {_FORM}.")
+        raise _not_a_goal("expected an atom, got {value}", written)
     predicate, *names = words or [""]
     if predicate not in (ON, LYING):
-        raise IctampError(f'{where}: predicate "{predicate}" in {written} is neither "on" nor "lying"; {_FORM}.')
+        problem = f"unknown predicate {{value}} in {written}"
+        raise IctampError(Code.UNKNOWN_CHOICE, problem, field=_FIELD, value=predicate, choices=(ON, LYING))
     if len(names) != 2:
-        raise IctampError(f'{where}: "{predicate}" takes 2 objects, not {len(names)} as in {written}; {_FORM}.')
+        problem = f"expected two objects after {predicate}, got {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, problem, field=_FIELD, value=written)
     for name in names:
         if name not in (*boxes, *supports):
-            known = f"the boxes are {', '.join(boxes)}, the supports {', '.join(supports)}"
-            raise IctampError(f'{where}: object "{name}" in {written} is not in the scene; {known}.')
+            problem = f"unknown object {{value}} in {written}"
+            raise IctampError(Code.UNKNOWN_CHOICE, problem, field=_FIELD, value=name, choices=(*boxes, *supports))
     if names[0] not in boxes:
-        what = f"{names[0]} is a support and cannot be moved; the boxes are {', '.join(boxes)}"
-        raise IctampError(f"{where}: {written} cannot be reached, {what}.")
+        problem = f"{{value}} cannot be reached: {names[0]} is a support, which cannot be moved"
+        raise IctampError(Code.IMPOSSIBLE_GOAL, problem, field=_FIELD, value=written, choices=boxes)
     return Atom(predicate, (names[0], names[1]))
+
+
+def _not_a_goal(problem: str, found: str) -> IctampError:
+    return IctampError(Code.NOT_PDDL, problem, field=_FIELD, value=found, advice=_FORM)
 
 
 def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str]:
@@ -80,7 +88,7 @@ def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str
         if below in boxes:
             yield f"{_text(atoms)} puts more than one box on the box {below}"
     for circle in _circles({atom.args[0]: atom.args[1] for atom in goal}):
-        yield f"the boxes {', '.join(circle)} are to stand on each other in a circle"
+        yield f"the boxes {', '.join(circle)} stand on each other in a circle"
 
 
 def _group_shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:

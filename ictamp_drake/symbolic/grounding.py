@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Atom, State
 from ictamp_drake.symbolic.formulas import (
     FALSE,
@@ -200,7 +200,8 @@ class _Grounder:
     def _count(self) -> None:
         self._parts_left -= 1
         if self._parts_left < 0:
-            raise IctampError("The planning domain has too many ground actions: use fewer parameters or fewer objects.")
+            advice = "use fewer parameters or fewer objects"
+            raise IctampError(Code.TOO_LARGE, "the planning domain has too many ground actions", advice=advice)
 
 
 def _bind(atom: Atom, binding: _Binding) -> Atom:

@@ -9,7 +9,7 @@ from functools import cache
 from importlib.resources import files
 from typing import NoReturn
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom
 from ictamp_drake.symbolic.expressions import Expression, Group, quote_expression, read
 from ictamp_drake.symbolic.formulas import TRUE, And, Equal, Exists, Formula, Not, Or, Variable, negation
@@ -64,7 +64,7 @@ def read_domain(text: str, where: str) -> PddlDomain:
 
     Args:
         text: (define (domain ...) ...).
-        where: what errors begin with, such as the name of the file.
+        where: Name of the file in errors.
 
     Raises:
         IctampError: the line, the expression in it and what was expected.
@@ -72,7 +72,8 @@ def read_domain(text: str, where: str) -> PddlDomain:
     try:
         return _Reader().domain(read(text.lower()))
     except IctampError as error:
-        raise IctampError(f"{where}: {error}.") from error
+        error.add_file(where)
+        raise
 
 
 class _Reader:
@@ -274,4 +275,5 @@ def _group(expression: Expression, what: str, around: Group) -> Group:
 def _refuse(expression: Expression, expected: str, around: Group | None = None) -> NoReturn:
     line = expression.line if isinstance(expression, Group) else around.line if around else 1
     inside = f' in "{quote_expression(around)}"' if around and isinstance(expression, str) else ""
-    raise IctampError(f'line {line}: expected {expected}, not "{quote_expression(expression)}"{inside}')
+    problem = f"expected {expected}, got {{value}}{inside}"
+    raise IctampError(Code.NOT_PDDL, problem, line=line, value=quote_expression(expression))

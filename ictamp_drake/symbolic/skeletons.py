@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from heapq import heappop, heappush, heapreplace
 from typing import NamedTuple, Optional
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import FINITE, check_fields
 from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
@@ -30,8 +30,7 @@ class BreadthFirst:
     patience: int = 50_000
 
     def __post_init__(self) -> None:
-        if not self.patience >= 1:
-            raise IctampError(f"patience of the breadth-first search is {self.patience}, but must be 1 or more.")
+        check_fields(self, "generators.breadth-first", patience=(1, math.inf))
 
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""
@@ -51,8 +50,7 @@ class BestFirst:
     weight: float = 2.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.weight < math.inf:
-            raise IctampError(f"weight of the best-first search is {self.weight}, but must be 0 or more and finite.")
+        check_fields(self, "generators.best-first", weight=(0, FINITE))
 
     def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
         """A stream of plans from `initial` to states that hold `goal`."""

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.tamp.plan import Plan
@@ -79,7 +79,7 @@ def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: 
         IctampError: The plan is empty.
     """
     if not plan.attempts:
-        raise IctampError("the plan is empty, so there is nothing to show")
+        raise IctampError(Code.EMPTY, "the plan is empty, so there is nothing to show")
     physics = physics or PhysicsConfig().create(World(plan.spec))
     attempts = plan.attempts
     if any(attempt.recording is None for attempt in attempts):

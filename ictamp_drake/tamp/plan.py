@@ -11,9 +11,10 @@ import numpy as np
 import yaml
 from pydrake.trajectories import Trajectory
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.decoding import decode, mapping
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
-from ictamp_drake.core.reading import build
+from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand, Segment
 from ictamp_drake.scenes.spec import SceneSpec, to_yaml
 from ictamp_drake.symbolic.goals import parse_goal
@@ -161,25 +162,92 @@ def read_plan(path: Path) -> Plan:
     """Read a plan back.
 
     Raises:
-        IctampError: when the file is not there or not a plan.
+        IctampError: The file cannot be read or is not a plan.
     """
-    try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
-        if content["format"] not in (1, FORMAT):
-            raise IctampError(f"{path}: format is {content['format']}, but must be 1 or {FORMAT}")
-        initial = content["initial"]
-        c = Configuration(
-            np.array(initial["q"]),
-            {name: np.array(pose) for name, pose in initial["poses"].items()},
-            commanded=initial.get("commanded"),
-            x=initial.get("x"),
+    with in_file(path):
+        content = mapping(parse(read_text(path)))
+        version = content.get("format", FORMAT)
+        if version not in (1, FORMAT):
+            raise IctampError(
+                Code.OTHER_VERSION, f"expected 1 or {FORMAT}, got {{value}}", field="format", value=version
+            )
+        found = decode(_File, content)
+    return Plan(found.scene, found.initial.configuration(), tuple(step.attempt() for step in found.steps))
+
+
+_Seven = tuple[float, float, float, float, float, float, float]
+"""Positions of the arm's joints, or a pose."""
+
+
+@dataclass(frozen=True)
+class _Start:
+    """`initial` in the file."""
+
+    q: tuple[float, ...]
+    poses: dict[str, _Seven]
+    commanded: _Seven | None = None
+    x: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if len(self.q) != 9:
+            raise IctampError(Code.WRONG_LENGTH, "expected nine numbers, got {value}", field="q", value=self.q)
+
+    def configuration(self) -> Configuration:
+        poses = {name: np.array(pose) for name, pose in self.poses.items()}
+        commanded = None if self.commanded is None else np.array(self.commanded)
+        x = None if self.x is None else np.array(self.x)
+        return Configuration(np.array(self.q), poses, commanded=commanded, x=x)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """One of the `segments` of a step in the file."""
+
+    label: str
+    start: float
+    duration: float
+    gripper: GripperCommand
+    order: int
+    knots: tuple[float, ...]
+    control_points: tuple[_Seven, ...]
+    touches: tuple[str, ...] | None = None
+
+    def segment(self) -> Segment:
+        return Segment(
+            label=self.label,
+            duration=self.duration,
+            gripper=self.gripper,
+            order=self.order,
+            knots=np.array(self.knots),
+            control_points=np.array(self.control_points),
+            touches=None if self.touches is None else frozenset(self.touches),
         )
-        attempts = tuple(_attempt(step) for step in content["steps"])
-        return Plan(build(SceneSpec, content["scene"], "scene"), c, attempts)
-    except OSError as error:
-        raise IctampError(f"{path}: cannot be read: {error.strerror}") from error
-    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
-        raise IctampError(f"{path}: is not a plan: {error!r}") from error
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One of the `steps` in the file."""
+
+    action: str
+    k: tuple[float, ...] | None
+    segments: tuple[_Segment, ...]
+
+    def attempt(self) -> Attempt[Configuration]:
+        name, _, arguments = self.action.removesuffix(")").partition("(")
+        motion = tuple(segment.segment() for segment in self.segments)
+        k = None if self.k is None else np.array(self.k)
+        return Attempt(Action(name, tuple(arguments.split(", "))), None, k=k, motion=motion)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _File:
+    """A whole file."""
+
+    format: int
+    scene: SceneSpec
+    initial: _Start
+    skeleton: tuple[str, ...] = ()
+    steps: tuple[_Step, ...]
 
 
 def _steps(attempts: Sequence[Attempt[Configuration]]) -> list[dict[str, Any]]:
@@ -206,21 +274,3 @@ def _segment_to_dict(segment: Segment, start: float) -> dict[str, Any]:
         "control_points": segment.control_points.tolist(),
         "touches": None if segment.touches is None else sorted(segment.touches),
     }
-
-
-def _attempt(step: dict[str, Any]) -> Attempt[Configuration]:
-    name, _, arguments = step["action"].removesuffix(")").partition("(")
-    motion = tuple(map(_segment, step["segments"]))
-    return Attempt(Action(name, tuple(arguments.split(", "))), None, k=np.array(step["k"]), motion=motion)
-
-
-def _segment(segment: dict[str, Any]) -> Segment:
-    return Segment(
-        label=segment["label"],
-        duration=segment["duration"],
-        gripper=GripperCommand(**segment["gripper"]),
-        order=segment["order"],
-        knots=np.array(segment["knots"]),
-        control_points=np.array(segment["control_points"]),
-        touches=None if (touches := segment.get("touches")) is None else frozenset(touches),
-    )

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from time import perf_counter, process_time
 from typing import Any
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.planning.events import Listener
@@ -88,7 +88,8 @@ def solve(
     started, cpu_started = perf_counter(), process_time()
     method = method.with_options(**options)
     if method.physics != task.physics.config:
-        raise IctampError("physics differs from that of the task; pass the same method to `load` and `solve`")
+        problem = "expected the physics of the task"
+        raise IctampError(Code.CONFLICT, problem, field="physics", advice="pass the same method to load and solve")
     parts = parts or method.parts
     skills = method.skills.create(task.world, task.abstraction, task.physics, parts.sampler, parts.skills)
     whole = method.execution == "whole-plan"

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.symbolic.domain import Domain
@@ -73,12 +74,13 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
         IctampError: One sentence that says what is wrong with the scene or its goal.
     """
     started, cpu_started = perf_counter(), process_time()
-    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports), f"{where}: goal")
-    world = World(spec)
-    physics = method.physics.create(world)
-    abstraction = SceneAbstraction(world, method.predicates)
-    c, s = start_configuration(world, abstraction, physics, where)
-    check_goal(goal, s, f"{where}: goal")
+    with in_file(where):
+        goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
+        world = World(spec)
+        physics = method.physics.create(world)
+        abstraction = SceneAbstraction(world, method.predicates)
+        c, s = start_configuration(world, abstraction, physics)
+        check_goal(goal, s)
     roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
     domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
     seconds, cpu_seconds = perf_counter() - started, process_time() - cpu_started

@@ -17,7 +17,8 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.planning import RobotDiagramBuilder
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.checks import check_range
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import add_scene
@@ -68,12 +69,13 @@ def start_meshcat(port: int | None = None) -> Meshcat:
         IctampError: the port is out of range or taken.
     """
     if port is not None and not PORTS[0] <= port <= PORTS[1]:
-        raise IctampError(f"port is {port}, but must be from {PORTS[0]} to {PORTS[1]}")
+        check_range("port", port, *PORTS)
     try:
         with _quiet_drake():
             meshcat = Meshcat(MeshcatParams(host="localhost", port=port, show_stats_plot=False))
     except RuntimeError as error:
-        raise IctampError(f"port {port or '7000 to 7999'} of localhost is taken") from error
+        problem = f"port {port or '7000 to 7999'} of localhost is taken"
+        raise IctampError(Code.IN_USE, problem, field="port", value=port) from error
     for path, name, value in LOOK:
         meshcat.SetProperty(path, name, value)
     meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=FIELD_OF_VIEW))

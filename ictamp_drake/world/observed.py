@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.checks import check_choice
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, StartSpec
 from ictamp_drake.world.frames import upright_frame
@@ -44,7 +44,7 @@ def observed_scene(spec: SceneSpec, start: Start) -> SceneSpec:
         IctampError: A box does not exist, or a pose is not one.
     """
     for name in start.poses:
-        check_choice("poses of the start has", name, spec.boxes)
+        check_choice("start.poses", name, spec.boxes)
     joints = spec.start.joints if start.joints is None else tuple(map(float, start.joints))
     held = spec.start.held if start.held is None else start.held
     moved = {name: _moved(name, spec.boxes[name], pose) for name, pose in start.poses.items()}
@@ -63,10 +63,8 @@ def _moved(name: str, box: BoxSpec, pose: FloatArray | RigidTransform) -> BoxSpe
 
 def _transform(name: str, pose: FloatArray) -> RigidTransform:
     if pose.shape != (7,) or not np.isfinite(pose).all() or not 0.99 < np.linalg.norm(pose[:4]) < 1.01:
-        raise IctampError(
-            f"poses of the start has {np.array2string(pose, separator=', ')} for {name}, but must have a unit "
-            f"quaternion (w, x, y, z) and a position (x, y, z)"
-        )
+        expected = "expected a unit quaternion (w, x, y, z) and a position (x, y, z), got {value}"
+        raise IctampError(Code.WRONG_TYPE, expected, field=f"start.poses.{name}", value=pose.tolist())
     return to_transform(pose)
 
 

@@ -11,7 +11,8 @@ from pydrake.multibody.plant import MultibodyPlantConfig
 
 from ictamp_drake.core.checks import check_fields, check_vector
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obedience_time, stand_still
 from ictamp_drake.world.lookout import Lookout
@@ -121,7 +122,7 @@ class Physics:
         self._boxes = {name: self._plain.positions(body.model_instance()) for name, body in bodies.boxes.items()}
         self._q = self._plain.positions(bodies.arm)
         self._arm_x = np.concatenate([self._q, self._plain.velocities(bodies.arm)])
-        self._command = (HOME, GripperCommand(GRIPPER_MAX_WIDTH))
+        self._command = (HOME, GripperCommand(MAX_OPENING))
         self._held: str | None = None
         self._looked = (self._scene.x, self._scene.x)
 

@@ -1,7 +1,7 @@
 """The configuration c_0 that a scene starts from, or a sentence about why the scene cannot start."""
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.world.abstraction import SceneAbstraction
@@ -12,58 +12,63 @@ MAX_OVERLAP = 0.001
 """Greatest depth of bodies in each other at the start [m]; physics pushes them apart."""
 
 
-def start_configuration(
-    world: World, abstraction: SceneAbstraction, physics: Physics, where: str
-) -> tuple[Configuration, State]:
+def start_configuration(world: World, abstraction: SceneAbstraction, physics: Physics) -> tuple[Configuration, State]:
     """c_0, the scene as specified after it has come to rest, and H(c_0).
 
     Args:
         world, abstraction, physics: World, H and simulator of the scene.
-        where: Name of the scene in errors, usually its file.
 
     Raises:
         IctampError: A joint is beyond its limits, bodies overlap, a box is carried by nothing or not held as it should
             be, or the scene is not at rest.
     """
-    _check_joints(world, where)
+    _check_joints(world)
     c, held = world.initial_configuration(), world.spec.start.held
-    _check_overlaps(world, c, where)
+    _check_overlaps(world, c)
     state = abstraction(c)
-    _check_carried(world, state, where)
+    _check_carried(world, state)
     if held and Atom("in-hand", (held,)) not in state:
-        raise IctampError(f"{where}: start.held is {held}, but it is not between the fingers or rests on something.")
+        problem = "expected a box between the fingers that rests on nothing, got {value}"
+        raise IctampError(Code.NOT_HELD, problem, field="start.held", value=held)
     outcome = physics.run(c, ())
     reached = abstraction(outcome.c)
     moved = sorted({atom.args[0] for atom in reached ^ state if atom.args})
     if moved or not outcome.settled:
-        what = f"boxes {', '.join(moved)} fall or move" if moved else "the boxes do not come to rest"
-        raise IctampError(f"{where}: {what} as soon as gravity acts, but a scene must start at rest.")
+        what = f"{', '.join(moved)} move when gravity acts" if moved else "the boxes do not come to rest"
+        field = f"boxes.{moved[0]}" if len(moved) == 1 else "boxes"
+        raise IctampError(Code.NOT_AT_REST, f"expected a scene at rest, but {what}", field=field, value=moved)
     if held and outcome.c.held != held:
-        raise IctampError(f"{where}: start.held is {held}, but the fingers do not hold it when gravity acts.")
+        problem = "the fingers do not hold {value} when gravity acts"
+        raise IctampError(Code.NOT_HELD, problem, field="start.held", value=held)
     return outcome.c, reached
 
 
-def _check_joints(world: World, where: str) -> None:
+def _check_joints(world: World) -> None:
     joints = world.spec.start.joints
     if joints and len(joints) != len(ARM_LIMITS):
-        raise IctampError(f"{where}: start.joints is {list(joints)}, but must be {len(ARM_LIMITS)} numbers")
-    for number, (position, limits) in enumerate(zip(joints, ARM_LIMITS, strict=False), 1):
-        check_range(f"{where}: start.joints, number {number},", position, limits.lower, limits.upper, " rad")
+        problem = f"expected {len(ARM_LIMITS)} numbers, got {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, problem, field="start.joints", value=joints)
+    for number, (position, limits) in enumerate(zip(joints, ARM_LIMITS, strict=False)):
+        check_range(f"start.joints[{number}]", position, limits.lower, limits.upper, " rad")
 
 
-def _check_overlaps(world: World, c: Configuration, where: str) -> None:
+def _check_overlaps(world: World, c: Configuration) -> None:
     supports = set(world.spec.supports)  # which may stand in each other
     for touch in world.touches(c, 0.0):
         if touch.distance < -MAX_OVERLAP and not {touch.a, touch.b} <= supports:
-            depth = f"{-1000 * touch.distance:.0f} mm"
-            raise IctampError(f"{where}: {touch.a} and {touch.b} overlap by {depth}; move one of them.")
+            problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
+            bodies = sorted((touch.a, touch.b))
+            raise IctampError(Code.OVERLAP, problem, value=bodies, advice="move one of them")
 
 
-def _check_carried(world: World, state: State, where: str) -> None:
+def _check_carried(world: World, state: State) -> None:
     carried = {atom.args[0] for atom in state if atom.predicate in {"on", "lying"}}
     for name in sorted(set(world.spec.boxes) - carried - {world.spec.start.held}):
         position = list(world.spec.boxes[name].position)
         raise IctampError(
-            f"{where}: boxes.{name}.position is {position}, where nothing carries the box: it must lie flat on one of "
-            f"{', '.join(sorted({*world.spec.supports, *world.spec.boxes} - {name}))}, its centre above that one's top."
+            Code.NOT_CARRIED,
+            "expected a box that lies flat on something, its center above the other's top, got {value}",
+            field=f"boxes.{name}.position",
+            value=position,
+            choices=sorted({*world.spec.supports, *world.spec.boxes} - {name}),
         )

@@ -7,7 +7,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, HOME
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
@@ -77,7 +78,7 @@ class World:
         arm = np.array(start.joints) if start.joints else HOME
         poses = {name: box.X_WO for name, box in self.spec.boxes.items()}
         if not start.held:
-            return Configuration(np.append(arm, [GRIPPER_MAX_WIDTH / 2] * 2), poses)
+            return Configuration(np.append(arm, [MAX_OPENING / 2] * 2), poses)
         width, fingers = self._grip(arm, start.held, poses[start.held])
         gripper = GripperCommand(width, HOLDING_FORCE)
         return Configuration(np.append(arm, fingers), poses, start.held, gripper, commanded=arm)
@@ -88,7 +89,7 @@ class World:
         X_GO = X_WG.inverse() @ to_transform(X_WO)
         half = float(np.abs(X_GO.rotation().matrix()[1]) @ self.sizes[box]) / 2
         middle = float(X_GO.translation()[1])  # the left finger is on the side of positive y
-        return 2 * half, np.clip([half + middle, half - middle], 0.0, GRIPPER_MAX_WIDTH / 2)
+        return 2 * half, np.clip([half + middle, half - middle], 0.0, MAX_OPENING / 2)
 
     def set_configuration(self, c: Configuration) -> None:
         """Make the context show c."""

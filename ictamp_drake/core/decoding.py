@@ -1,0 +1,140 @@
+"""From plain data, as YAML and JSON have it, to frozen dataclasses: scenes, plans, records, networks."""
+
+import dataclasses
+from collections.abc import Mapping
+from functools import cache
+from types import NoneType, UnionType
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from ictamp_drake.core.checks import check_choice
+from ictamp_drake.core.errors import Code, IctampError, join_fields
+
+T = TypeVar("T")
+
+_NUMBERS = {float: ("a number", "numbers"), int: ("a whole number", "whole numbers")}
+_NAMES = {**_NUMBERS, str: ("text", "texts"), bool: ("true or false", "truth values"), NoneType: ("nothing", "nothing")}
+_COUNTS = {2: "two", 3: "three", 4: "four", 7: "seven"}
+
+
+def decode(schema: type[T], raw: object, where: str = "") -> T:
+    """The dataclass `schema` from a mapping; `where` is the mapping's place in the file, e.g. boxes.red_box.
+
+    Fields may be of other dataclasses, dict[str, …], tuple[…], unions, literals, numbers, text and truth values; what
+    is annotated with another type is taken as it is. Numbers may be written as text, since YAML takes 1e-3 for one.
+
+    Raises:
+        IctampError: An unknown or missing field, or a value that is of the wrong type or refused by the dataclass.
+    """
+    fields, hints = _fields(schema)  # type: ignore[arg-type]  # a class can be hashed
+    values = {}
+    for name, value in mapping(raw, where).items():
+        if name not in fields:
+            raise IctampError(Code.UNKNOWN_FIELD, "unknown field", field=join_fields(where, name), choices=fields)
+        values[name] = _value(hints[name], value, join_fields(where, name))
+    for name, is_required in fields.items():
+        if is_required and name not in values:
+            raise IctampError(Code.MISSING_FIELD, "missing field", field=join_fields(where, name))
+    try:
+        return schema(**values)
+    except IctampError as error:
+        error.add_field(where)
+        raise
+
+
+def mapping(raw: object, where: str = "") -> Mapping[str, object]:
+    """The value itself when it is a mapping whose keys are all text.
+
+    Raises:
+        IctampError: It is not.
+    """
+    if not isinstance(raw, dict):
+        raise IctampError(Code.WRONG_TYPE, "expected a mapping (name: value), got {value}", field=where, value=raw)
+    for key in raw:
+        if not isinstance(key, str):
+            trap = "YAML reads on, off, yes and no as truth values" if isinstance(key, bool) else ""
+            expected = "expected names that are text, got {value}"
+            raise IctampError(Code.BAD_NAME, expected, field=where, value=key, advice=trap)
+    return raw
+
+
+@cache
+def _fields(schema: type) -> tuple[dict[str, bool], dict[str, Any]]:
+    """By name, which fields must be there and what they hold."""
+    required = {
+        field.name: field.default is field.default_factory is dataclasses.MISSING
+        for field in dataclasses.fields(schema)
+        if field.init
+    }
+    return required, get_type_hints(schema)
+
+
+def _value(hint: Any, raw: object, where: str) -> object:
+    """The value as the type that a field is annotated with."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if dataclasses.is_dataclass(hint):
+        return decode(hint, raw, where)  # type: ignore[arg-type]
+    if origin is dict:
+        value: object = {k: _value(parts[1], item, join_fields(where, k)) for k, item in mapping(raw, where).items()}
+    elif origin is tuple and isinstance(raw, list | tuple):
+        value = _items(hint, raw, where)
+    elif origin is UnionType:
+        value = None if raw is None and NoneType in parts else _value(_some(hint), raw, where)
+    elif origin is Literal:
+        check_choice(where, raw, parts)  # type: ignore[arg-type]
+        value = raw
+    else:
+        value = _scalars(hint, raw, where)
+    return value
+
+
+def _scalars(hint: Any, raw: object, where: str) -> object:
+    if hint not in _NAMES and get_origin(hint) is not tuple:
+        return raw
+    try:
+        return _scalar(hint, raw)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise _wrong_type(hint, raw, where) from error
+
+
+def _some(hint: Any) -> Any:
+    """What an optional field holds when it holds something."""
+    (some,) = (part for part in get_args(hint) if part is not NoneType)
+    return some
+
+
+def _items(hint: Any, raw: list[object] | tuple[object, ...], where: str) -> tuple[object, ...]:
+    kind, *rest = get_args(hint)
+    if rest != [...] and len(raw) != len(rest) + 1:
+        raise IctampError(Code.WRONG_LENGTH, f"expected {_describe(hint)}, got {{value}}", field=where, value=raw)
+    if kind not in _NAMES:
+        return tuple(_value(kind, item, f"{where}[{number}]") for number, item in enumerate(raw))
+    try:
+        return tuple(_scalar(kind, item) for item in raw)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise _wrong_type(hint, raw, where) from error
+
+
+def _scalar(kind: type, raw: object) -> object:
+    """A value of the kind: a number may be written as text, but nothing else for another."""
+    if type(raw) is kind:
+        return raw
+    if kind not in _NUMBERS or type(raw) not in (int, float, str):
+        raise TypeError
+    value = kind(raw)
+    if kind is int and isinstance(raw, float) and value != raw:
+        raise ValueError
+    return value
+
+
+def _wrong_type(hint: Any, raw: object, where: str) -> IctampError:
+    expected = f"expected {_describe(hint)}, got {{value}}"
+    return IctampError(Code.WRONG_TYPE, expected, field=where, value=raw)
+
+
+def _describe(hint: Any) -> str:
+    """What a field holds, in words."""
+    if get_origin(hint) is not tuple:
+        return _NAMES[hint][0]
+    kind, *rest = get_args(hint)
+    many = _NAMES[kind][1] if kind in _NAMES else "values"
+    return f"a list of {many}" if rest == [...] else f"{_COUNTS.get(len(rest) + 1, len(rest) + 1)} {many}"
