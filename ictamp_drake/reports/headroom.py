@@ -1,8 +1,8 @@
 """Bounds on what is left to gain: the quickest strategy of each problem, and a search in which nothing fails.
 
-The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012): it knows beforehand which of all
-others will be the quickest on a problem, and no choice among them gains more. The second bounds what any strategy can
-gain, as every plan is executed at least once. Runs of earlier versions executed it twice, to verify the whole.
+The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012). It knows beforehand which strategy
+will be the quickest on a problem, so no choice among them gains more. The second holds for any strategy, since every
+plan is executed at least once; runs of earlier versions executed it twice, to verify the whole.
 """
 
 from collections.abc import Callable
@@ -15,15 +15,15 @@ from ictamp_drake.reports.markdown import table
 from ictamp_drake.reports.verdicts import format_ratio
 
 NAME = ""
-"""Of the bound among the strategies, none of which has it."""
+"""Label of the bound among the strategies; empty, so it cannot clash with one."""
 
 
 def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) -> list[str]:
-    """The bound as a multiple of each strategy's time, a column a level; in Markdown, nothing of a single strategy.
+    """Table in Markdown of the bound as a multiple of each strategy's time, a column per level; empty for one strategy.
 
     Args:
-        runs: see `regime.tabulate_runs`, with times as `pace.scale_to_equal_pace` has them.
-        bound: one of the functions below.
+        runs: Table of `regime.tabulate_runs`, with the times of `pace.scale_to_equal_pace`.
+        bound: One of the functions below.
     """
     strategies = list(runs["strategy"].cat.categories)
     if len(strategies) < 2:
@@ -37,13 +37,13 @@ def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) 
 
 
 def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
-    """Of every problem and seed the quickest run that solved it, or any run when none did."""
+    """Select for each problem and seed the quickest run that solved it, or any run if none did."""
     quickest_first = runs.sort_values(["solved", "seconds"], ascending=[False, True], kind="stable")
     return quickest_first.drop_duplicates([*PROBLEM, "seed"])
 
 
 def quickest_executions(runs: pd.DataFrame) -> pd.DataFrame:
-    """Of every problem and seed the found plan that is the quickest to execute, and the time that this takes."""
+    """Select for each problem and seed the plan that is the quickest to execute, with the time that this takes."""
     plans = runs[runs["solved"] & runs["replay"].notna()]
     plans = plans.assign(seconds=plans["executions"] * plans["replay"]).sort_values("seconds", kind="stable")
     return plans.drop_duplicates([*PROBLEM, "seed"])

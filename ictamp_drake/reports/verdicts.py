@@ -1,4 +1,4 @@
-"""Comparisons, summed up and as a table: what is shown, and what is not."""
+"""Comparisons as a summary and as a table: which differences are shown, and which are not."""
 
 import math
 from collections import defaultdict
@@ -13,16 +13,16 @@ SIGNIFICANT = 0.05
 NOT_SHOWN = "no difference shown"
 
 TIME, STEPS = ("faster", "slower"), ("fewer steps", "more steps")
-"""What less and more of each is called."""
+"""Words for less and more of each."""
 
 TITLES: dict[frozenset[int] | None, str] = {
     frozenset({1}): "Better than `{}`",
     frozenset({-1}): "Worse than `{}`",
-    frozenset({1, -1}): "Better than `{}` in one figure and worse in another",
-    frozenset(): "No difference to `{}` shown",
-    None: "No run in common with `{}`",
+    frozenset({1, -1}): "Better than `{}` in one measure, worse in another",
+    frozenset(): "No difference from `{}` shown",
+    None: "No runs in common with `{}`",
 }
-"""Of groups of comparisons by the signs of what is shown, see `_signs`; None where there is nothing to compare."""
+"""Titles of the groups, by the signs of what is shown (see `_signs`); None where there is nothing to compare."""
 
 HEADINGS = (
     "level",
@@ -43,11 +43,11 @@ HEADINGS = (
 
 
 def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """What is and is not shown, as lines in Markdown: strategies in groups, with the levels where it is so.
+    """Lines in Markdown: groups of strategies by what is shown of them, each with its levels.
 
     Args:
-        comparisons: with the same reference.
-        p: their probabilities as `comparison.adjust_for_multiplicity` has them.
+        comparisons: Comparisons with the same reference.
+        p: Their probabilities, from `comparison.adjust_for_multiplicity`.
     """
     groups = {signs: defaultdict[str, list[str]](list) for signs in TITLES}
     for each, adjusted in zip(comparisons, p, strict=True):
@@ -65,12 +65,12 @@ def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
 
 
 def rows(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """The lines of a table in Markdown with everything that the summary rests on."""
+    """Lines of a table in Markdown with all figures behind the summary."""
     return table(*drop_empty_columns(HEADINGS, [_cells(*each) for each in zip(comparisons, p, strict=True)]), left=2)
 
 
 def verdict(interval: Interval | None, less: str, more: str) -> str:
-    """What a ratio and its interval show."""
+    """Verdict on a ratio by its interval."""
     if interval is None:
         return "no problem in common"
     if math.isnan(interval.low):
@@ -79,7 +79,7 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
 
 
 def _signs(comparison: Comparison, p: float) -> list[tuple[int, str]]:
-    """Every difference that is shown: 1 where the strategy is better and -1 where it is worse, and the figures."""
+    """Every difference that is shown: 1 if the strategy is better, -1 if it is worse, and the figures."""
     shown = []
     if p < SIGNIFICANT:
         sign = 1 if comparison.only[0] > comparison.only[1] else -1
@@ -113,12 +113,12 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
 
 
 def probability(p: float) -> str:
-    """Two digits, and no more than a bound for what is very small."""
+    """Format a probability with two digits, or as a bound when it is very small."""
     return "< 0.0001" if p < 0.0001 else f"{p:.2g}"
 
 
 def format_ratio(interval: Interval | None) -> str:
-    """With its interval, "-" for none."""
+    """Format a ratio with its interval; "-" for None."""
     if interval is None:
         return "-"
     bounds = "" if math.isnan(interval.low) else f" ({interval.low:.2f} to {interval.high:.2f})"
