@@ -1,4 +1,4 @@
-"""The page of results: what was run, what it shows, and the tables and pictures that it rests on."""
+"""The page of results: the runs, what they show, and the tables and pictures behind it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -78,11 +78,11 @@ class Chapter:
     """A regime with its comparisons.
 
     Attributes:
-        regime: the runs.
-        reference: strategy that all others are held against.
-        comparisons: of all others, strategy by strategy and level by level.
-        p: of these, when all with runs in common are looked at.
-        pictures: where they are, seen from the page, by what they show.
+        regime: Runs under equal conditions.
+        reference: Strategy with which all others are compared.
+        comparisons: Comparisons of all other strategies with the reference, strategy by strategy and level by level.
+        p: Probabilities of the comparisons, adjusted for the number of tests; only those with common runs are tested.
+        pictures: Paths of the pictures relative to the page, by what they show.
     """
 
     regime: Regime
@@ -93,7 +93,7 @@ class Chapter:
 
     @classmethod
     def create(cls, regime: Regime, reference: str, pictures: Mapping[str, str]) -> "Chapter":
-        """Hold every strategy of the regime against one of them."""
+        """Compare every strategy of the regime with the reference."""
         rivals = (name for name in regime.strategies if name != reference)
         comparisons = [each for name in rivals for each in compare_strategies(regime.runs, name, reference)]
         raised = iter(adjust_for_multiplicity([each.p for each in comparisons if each.pairs]))
@@ -101,18 +101,18 @@ class Chapter:
         return cls(regime, reference, comparisons, p, pictures)
 
     def picture(self, what: str) -> list[str]:
-        """The lines that show it, none where it was not drawn."""
+        """Lines that show a picture; none when it was not drawn."""
         return [_image(f"{what}, {self.regime.name}", self.pictures[what])] if what in self.pictures else []
 
 
 def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> str:
-    """The page in Markdown.
+    """Write the page in Markdown.
 
     Args:
-        chapters: a regime each.
-        typed: command that made the page.
-        files: where these are, seen from the page: figure_2, table_1.tex, table_1.csv and, if there are any, figure_1
-            and figure_3.
+        chapters: Chapters of the page, one per regime.
+        typed: Command that made the page.
+        files: Paths relative to the page of figure_2, table_1.tex, table_1.csv and, if there are any, figure_1 and
+            figure_3.
     """
     about = TABLE_1.format(latex=files["table_1.tex"], csv=files["table_1.csv"])
     parts = [
@@ -137,7 +137,7 @@ def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> s
 
 
 def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[Chapter], Sequence[str]]) -> list[str]:
-    """What there is of every regime, below its name; nothing when there is nothing of any."""
+    """Section with the lines of every regime below its name; empty when no regime has any."""
     found = {chapter.regime.name: of(chapter) for chapter in chapters}
     if not any(found.values()):
         return []
@@ -146,7 +146,7 @@ def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[C
 
 
 def _figure(title: str, text: str, what: str, link: str | None) -> list[str]:
-    """A section of one picture; nothing when there is none."""
+    """Section of one picture; empty when there is none."""
     return [f"## {title}", "", *([text, ""] if text else []), _image(what, link), ""] if link else []
 
 
@@ -155,7 +155,7 @@ def _image(what: str, link: str) -> str:
 
 
 def _conditions_table(chapters: Sequence[Chapter]) -> list[str]:
-    """A column a regime: how its runs were made."""
+    """Table of the conditions of the runs, one column per regime."""
     what = dict.fromkeys(name for chapter in chapters for name in chapter.regime.about)
     rows = [[name, *(chapter.regime.about.get(name, "-") for chapter in chapters)] for name in what]
     return table(["regime", *(chapter.regime.name for chapter in chapters)], rows)
