@@ -85,7 +85,7 @@ class Mixture(nn.Module):
         return _log_density(self._numbers(matrix, mask), u)
 
     def draw(self, matrix: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
-        """Draw `count` times u in each situation, shape (n, count, 4)."""
+        """Draw `count` samples of u in each situation, shape (n, count, 4)."""
         log_weight, mean, std = self._numbers(matrix, mask)
         chosen = torch.multinomial(log_weight.exp(), count, replacement=True, generator=generator)[..., None]
         chosen = chosen.expand(-1, -1, 4)
@@ -157,7 +157,7 @@ class Squashed(nn.Module):
         return (log_normal - log_slope).sum(dim=-1)
 
     def draw(self, matrix: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
-        """Draw `count` times u in each situation, shape (n, count, 4)."""
+        """Draw `count` samples of u in each situation, shape (n, count, 4)."""
         mean, std = self._numbers(matrix, mask)
         noise = torch.randn((len(mean), count, 4), generator=generator)
         return self.scale * (mean + std * noise).tanh()
