@@ -40,7 +40,7 @@ class FitConfig:
         rate: Initial learning rate; it falls along half a cosine.
         decay: Weight decay.
         clip: Maximum norm of a gradient.
-        vary: Draw another description of every attempt each time it is used, see `symmetry`.
+        vary: Whether to draw another description of every attempt each time it is used, see `symmetry`.
         patience: Number of epochs without a better validation loss after which training ends.
         seed: Random seed of initial weights, order, bootstraps and noise.
     """

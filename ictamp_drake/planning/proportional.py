@@ -24,8 +24,8 @@ class ProportionalConfig:
             that is certain to succeed. The paper gives no value. Raise it to leave failing plans sooner. Choose it to
             suit the generator: 30 for breadth-first, 3 for best-first, which expands far fewer nodes.
         floor: Lower bound of the estimated probability, so that no step is ever given up.
-        redraw: Draw the configuration anew before each step of a rollout (Algorithm 2, line 3). False continues from
-            the configuration just reached.
+        redraw: Whether to draw the configuration anew before each step of a rollout (Algorithm 2, line 3). False
+            continues from the configuration just reached.
     """
 
     W: float = 30.0
