@@ -1,4 +1,4 @@
-"""Predicates computed from poses and contacts: when a is carried by b, and when the hand holds a."""
+"""Predicates computed from poses and contacts: whether b carries a, and whether the hand grips a."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ class PredicateConfig:
     """Tolerances of the predicates.
 
     Attributes:
-        contact: surfaces nearer than this touch [m]; a finger that is deeper in a box does not grip it.
-        tilt: largest angle between an upright box's axis and the vertical [rad].
-        slope: largest angle between a carrying contact's normal and the vertical [rad].
+        contact: Largest distance between touching surfaces [m]. A finger deeper than this in a box does not grip it.
+        tilt: Largest tilt of a level box [rad].
+        slope: Largest angle between the normal of a carrying contact and the vertical [rad].
     """
 
     contact: float = 0.0015
@@ -30,7 +30,7 @@ class PredicateConfig:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Outcome of a predicate with the quantities it was decided by [m, rad]."""
+    """Value of a predicate with the quantities that decide it [m, rad]."""
 
     holds: bool
     quantities: Mapping[str, float]
@@ -50,7 +50,7 @@ class Scene:
         self._carried: dict[tuple[str, str], Evaluation] = {}
 
     def evaluate_tilt(self, a: str) -> Evaluation:
-        """Whether one of a's faces is level; how far it is from that."""
+        """Whether one of a's faces is level, with its tilt."""
         angle = float(np.arccos(np.clip(self.boxes[a].X_WU.rotation().matrix()[2, 2], -1.0, 1.0)))
         return Evaluation(angle <= self.config.tilt, {"tilt": angle})
 
@@ -63,7 +63,7 @@ class Scene:
         return Evaluation(slope <= self.config.slope, {"distance": touch.distance, "slope": slope})
 
     def evaluate_carried(self, a: str, b: str) -> Evaluation:
-        """Whether b carries a: contact from above, the centre of mass of a inside b's top face, and a level."""
+        """Whether b carries a: a touches b from above, its center of mass is over b's top face, and a is level."""
         if (a, b) not in self._carried:
             self._carried[a, b] = self._compute_carried(a, b)
         return self._carried[a, b]
@@ -76,6 +76,6 @@ class Scene:
         return Evaluation(holds, {**above.quantities, **tilt.quantities, "overhang": overhang})
 
     def evaluate_gripped(self, a: str) -> Evaluation:
-        """Whether both fingers touch a, and none cuts into it."""
+        """Whether both fingers touch a and neither cuts into it."""
         distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in FINGERS}
         return Evaluation(max(map(abs, distances.values())) <= self.config.contact, distances)

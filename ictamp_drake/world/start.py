@@ -1,4 +1,4 @@
-"""The configuration c_0 that a scene starts from, or a sentence about why the scene cannot start."""
+"""The initial configuration c_0 of a scene, or an error that explains why the scene cannot start."""
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import IctampError
@@ -9,21 +9,21 @@ from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
 MAX_OVERLAP = 0.001
-"""Greatest depth of bodies in each other at the start [m]; physics pushes them apart."""
+"""Largest overlap of two bodies at the start [m]. Physics pushes them apart."""
 
 
 def start_configuration(
     world: World, abstraction: SceneAbstraction, physics: Physics, where: str
 ) -> tuple[Configuration, State]:
-    """c_0, the scene as specified after it has come to rest, and H(c_0).
+    """Return c_0, the scene as specified after it has come to rest, and H(c_0).
 
     Args:
         world, abstraction, physics: World, H and simulator of the scene.
         where: Name of the scene in errors, usually its file.
 
     Raises:
-        IctampError: A joint is beyond its limits, bodies overlap, a box is carried by nothing or not held as it should
-            be, or the scene is not at rest.
+        IctampError: A joint is beyond its limits, bodies overlap, nothing carries a box, the hand does not hold the
+            box of `start.held`, or the scene is not at rest.
     """
     _check_joints(world, where)
     c, held = world.initial_configuration(), world.spec.start.held
@@ -52,7 +52,7 @@ def _check_joints(world: World, where: str) -> None:
 
 
 def _check_overlaps(world: World, c: Configuration, where: str) -> None:
-    supports = set(world.spec.supports)  # which may stand in each other
+    supports = set(world.spec.supports)  # supports may overlap each other
     for touch in world.touches(c, 0.0):
         if touch.distance < -MAX_OVERLAP and not {touch.a, touch.b} <= supports:
             depth = f"{-1000 * touch.distance:.0f} mm"
