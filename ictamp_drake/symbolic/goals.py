@@ -1,4 +1,4 @@
-"""Goals of a user: PDDL text to atoms, and everything that can be wrong with a goal before anything is planned."""
+"""Goals written by a user: PDDL text to atoms, and all checks of a goal before planning starts."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -11,11 +11,11 @@ _FORM = "a goal is (on BOX OBJECT) or (and (on BOX OBJECT) (on BOX OBJECT) ...),
 
 
 def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: str = "goal") -> frozenset[Atom]:
-    """The atoms of a conjunction of (on BOX OBJECT) and, for boxes on their side, (lying BOX OBJECT).
+    """Parse a conjunction of (on BOX OBJECT) and, for boxes on their side, (lying BOX OBJECT) into atoms.
 
     Raises:
-        IctampError: syntax, an unknown predicate or object, a wrong number of objects, or atoms that cannot hold
-            together; the sentence begins with `where`, e.g. "scene.yaml: goal".
+        IctampError: The syntax is wrong, a predicate or object is unknown, the number of objects is wrong, or the atoms
+            cannot hold together. The message begins with `where`, e.g. "scene.yaml: goal".
     """
     goal = frozenset(_atom(literal, boxes, supports, where) for literal in _literals(text, where))
     for contradiction in _contradictions(goal, boxes):
@@ -24,10 +24,10 @@ def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str], where: 
 
 
 def check_goal(goal: frozenset[Atom], initial: State, where: str = "goal") -> None:
-    """Refuse a goal that needs no plan, or that no plan can reach, from the initial state.
+    """Refuse a goal that needs no plan or that no plan can reach from the initial state.
 
     Raises:
-        IctampError: the goal holds already, or wants a box upright that lies on its side or the other way round.
+        IctampError: The goal already holds, or it asks for a tipped box to be upright or an upright box to be tipped.
     """
     if goal <= initial:
         raise IctampError(f"{where}: {_text(goal)} already holds in the initial state, there is nothing to plan.")
@@ -84,7 +84,7 @@ def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str
 
 
 def _group_shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:
-    """Each object that several atoms have at the position, with these atoms."""
+    """Yield each object that several atoms have at the position, with these atoms."""
     by_object: dict[str, list[Atom]] = {}
     for atom in sorted(goal):
         by_object.setdefault(atom.args[position], []).append(atom)
