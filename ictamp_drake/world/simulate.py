@@ -40,8 +40,8 @@ class PhysicsConfig:
         settle_check: Time between two checks for rest [s].
         min_pad_force: Smallest force of each finger on a held object, normal and friction together [N].
         record_period: Time between two recorded states, and between two checks for contact with sleeping boxes [s].
-        sleep: Simulate boxes at rest only where the arm may touch them, or touch what they rest or lean on. Otherwise
-            the whole scene is simulated all the time.
+        sleep: Whether boxes at rest are simulated only where the arm may touch them, or touch what they rest or lean
+            on. Otherwise the whole scene is simulated all the time.
     """
 
     time_step: float = 0.004
