@@ -1,4 +1,4 @@
-"""Predicates computed from poses and contacts: when a is carried by b, and when the hand holds a."""
+"""Predicates computed from poses and contacts: whether b carries a, and whether the hand grips a."""
 
 from dataclasses import dataclass
 
@@ -14,9 +14,9 @@ class PredicateConfig:
     """Tolerances of the predicates.
 
     Attributes:
-        contact: surfaces nearer than this touch [m]; a finger that is deeper in a box does not grip it.
-        tilt: largest angle between an upright box's axis and the vertical [rad].
-        slope: largest angle between a carrying contact's normal and the vertical [rad].
+        contact: Largest distance between touching surfaces [m]. A finger deeper than this in a box does not grip it.
+        tilt: Largest tilt of a level box [rad].
+        slope: Largest angle between the normal of a carrying contact and the vertical [rad].
     """
 
     contact: float = 0.0015
