@@ -7,12 +7,12 @@ from typing import Annotated
 
 import tyro
 
+import ictamp_drake as ict
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.spec import to_dict
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
-from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def work(options: PlanOptions) -> Work:
     Raises:
         IctampError: The scene is invalid. Nothing has been written at that point.
     """
-    task = load(options.scene, options.method)
+    task = ict.load(options.scene, options.method)
     name = options.scene.stem
     about = {"program": "plan", "scene": to_dict(task.spec), "options": options.method.decisive}
     job = Job(Problem(name, task.spec), options.method, task=task)

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.tamp.plan import Plan
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 
 NAME = "ictamp_drake.replay"
 

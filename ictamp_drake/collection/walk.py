@@ -18,15 +18,14 @@ from ictamp_drake.learning.dataset import AttemptRow, scene_text
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
+from ictamp_drake.skills.config import OptimizationConfig, PolicyConfig, SkillsConfig, UniformConfig
+from ictamp_drake.skills.context import SamplerContext
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
-from ictamp_drake.skills.policy import PolicyConfig
-from ictamp_drake.skills.runner import SkillsConfig
-from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
+from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
-from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
 from ictamp_drake.world.world import World
 
@@ -175,7 +174,9 @@ class _Course:
             return PerturbedSampler(world, optimization, config.noise)
         if source == "uniform":
             return UniformSampler(world, UniformConfig(max_height=config.drop))
-        return config.choose_policy(source).create(world, self._arm) if source in _LEARNED else optimization
+        if source in _LEARNED:
+            return config.choose_policy(source).create(SamplerContext(world, self._arm))
+        return optimization
 
     def attempts(
         self, spared: Collection[int], begin: Callable[[int], None]

@@ -17,13 +17,14 @@ from rich.progress import track
 
 from ictamp_drake.core.checks import check_choice, check_different, check_range
 from ictamp_drake.core.files import make_folder, write_whole
+from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, Kind, load
 from ictamp_drake.learning.dataset import fingerprint
 from ictamp_drake.reports.accuracy import Accuracy, compare_estimators
 from ictamp_drake.reports.accuracy_figures import draw_all
 from ictamp_drake.reports.accuracy_table import as_csv, format_accuracies, markdown
-from ictamp_drake.reports.contenders import BaseRates, Contender, contenders
+from ictamp_drake.reports.contenders import BaseRates, contenders
 from ictamp_drake.reports.predictions import ask_contenders, group_by_scene
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.runs.folder import RUNS
@@ -87,7 +88,9 @@ def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
     return COMPLETE
 
 
-def _accuracy(options: EstimatorAccuracy, skill: str, configs: Mapping[str, Contender], console: Console) -> Accuracy:
+def _accuracy(
+    options: EstimatorAccuracy, skill: str, configs: Mapping[str, EstimatorConfig], console: Console
+) -> Accuracy:
     cases = read_cases(options.ground_truth, skill, options.least, options.sampler)
     asked = track(group_by_scene(cases), f"{skill}, scenes", console=console, transient=True)
     found = [prediction for group in asked for prediction in ask_contenders(group, configs)]

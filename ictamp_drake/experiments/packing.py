@@ -10,8 +10,8 @@ from typing import Annotated
 import tyro
 
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.method import Method, describe_choices

@@ -15,16 +15,16 @@ from typing import Annotated
 
 import tyro
 
+import ictamp_drake as ict
 from ictamp_drake.core.checks import check_choice, check_different, check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
 from ictamp_drake.scenes.spec import load_scene, to_dict
 from ictamp_drake.tamp.method import Method, describe_choices
-from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
             problem = f"the name of {{value}} is taken by {files[path.stem]}"
             raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
         files[path.stem] = path
-        scenes.append(Problem(path.stem, load(path, method).spec))
+        scenes.append(Problem(path.stem, ict.load(path, method).spec))
     return scenes
 
 

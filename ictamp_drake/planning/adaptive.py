@@ -13,7 +13,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_fields
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig, Mean
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -37,9 +37,9 @@ class AdaptiveConfig:
     def __post_init__(self) -> None:
         check_fields(self, "planners.adaptive", opening=(0, inf), expanding=(0, inf))
 
-    def create(self, estimator: Estimator[C]) -> "Adaptive[C]":
-        """Create the rule for one search."""
-        return Adaptive(self, Beliefs(self.beliefs, estimator))
+    def create(self, context: RuleContext[C]) -> "Adaptive[C]":
+        """The rule for one search."""
+        return Adaptive(self, Beliefs(self.beliefs, context.estimator))
 
 
 class Adaptive(Generic[C]):
@@ -58,8 +58,8 @@ class Adaptive(Generic[C]):
         self._openings: defaultdict[frozenset[Obstruction], _Openings] = defaultdict(_Openings)
         self._asked: frozenset[Obstruction] = frozenset()
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
-        """Choose the next computational action."""
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
+        """The next computational action."""
         runs = tree.runs
         if not runs:
             return OpenPlan()

@@ -18,7 +18,7 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from ictamp_drake.core.checks import POSITIVE, check_fields
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import ask_estimator
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -52,9 +52,9 @@ class ElsConfig:
         check_fields(self, "planners.els", p_w=(0, inf), p_c=(0, inf), eps=(0, inf))
         check_fields(self, "planners.els", w0=(POSITIVE, inf), c0=(POSITIVE, inf), floor=(POSITIVE, 1))
 
-    def create(self, estimator: Estimator[C]) -> "Els[C]":
-        """Create the rule for one search."""
-        return Els(self, estimator)
+    def create(self, context: RuleContext[C]) -> "Els[C]":
+        """The rule for one search."""
+        return Els(self, context.estimator)
 
 
 class _Branch(NamedTuple):
@@ -102,8 +102,8 @@ class Els(Generic[C]):
         self._at_work: _Work | None = None
         self._wait(_Branch(config.eps, OpenPlan(), 1.0))
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
-        """Process the result of the last choice, then choose the node with the least priority value."""
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
+        """Take in what became of the last choice, and serve the least node."""
         if self._at_work is not None:
             self._take_in(tree, self._at_work)
         work = heappop(self._queue)

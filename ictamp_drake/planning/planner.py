@@ -10,13 +10,13 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.protocols import Estimator, PlanGenerator, SkillRunner
+from ictamp_drake.core.protocols import Estimator, PlanGenerator, RuleContext, SkillRunner
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Attempt, C, State
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import PlanningResult, StopReason
-from ictamp_drake.planning.rule import OpenPlan, RuleConfig, SelectionRule
+from ictamp_drake.planning.rule import OpenPlan, Rule, RuleConfig
 from ictamp_drake.planning.tree import ROOT, Node, RunStep, Tree
 
 Verify = Callable[[tuple[Attempt[C], ...]], bool]
@@ -94,7 +94,7 @@ class PlannerConfig:
             cpu_clock: Clock of the stage times, in seconds of processor time from any origin.
         """
         tree = Tree(c, s)  # Algorithm 1, line 1
-        rule = self.rule.create(estimator)
+        rule = self.rule.create(RuleContext(estimator))
         return Planner(
             self, tree, rule, generator, skills, verify, rng, execute, tuple(listeners), stop, clock, cpu_clock
         )
@@ -106,7 +106,7 @@ class Planner(Generic[C]):
 
     config: PlannerConfig
     tree: Tree[C]
-    rule: SelectionRule[C]
+    rule: Rule[C]
     generator: PlanGenerator
     skills: SkillRunner[C]
     verify: Verify[C]

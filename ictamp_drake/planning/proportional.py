@@ -8,7 +8,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_fields
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -36,9 +36,9 @@ class ProportionalConfig:
     def __post_init__(self) -> None:
         check_fields(self, "planners.completion-tree", W=(0, inf), floor=(0, inf))
 
-    def create(self, estimator: Estimator[C]) -> "Proportional[C]":
-        """Create the rule for one search."""
-        return Proportional(self, estimator)
+    def create(self, context: RuleContext[C]) -> "Proportional[C]":
+        """The rule for one search."""
+        return Proportional(self, context.estimator)
 
 
 class Proportional(Generic[C]):

@@ -6,7 +6,7 @@ from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.scores import draw_node
@@ -17,8 +17,8 @@ from ictamp_drake.planning.tree import Tree
 class RoundRobinConfig:
     """Configuration of round robin, which has no settings."""
 
-    def create(self, estimator: Estimator[C]) -> "RoundRobin[C]":  # noqa: ARG002  (the same for all rules)
-        """Create the rule for one search."""
+    def create(self, _: RuleContext[C]) -> "RoundRobin[C]":
+        """The rule for one search."""
         return RoundRobin()
 
 

@@ -1,11 +1,9 @@
-"""Interface of selection rules, which read the tree and choose the next computational action."""
+"""What a selection rule is made from and what it answers: it reads the tree and says what is computed next."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-import numpy as np
-
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext, SelectionRule
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.tree import RunStep, Tree
 
@@ -23,21 +21,15 @@ class OpenPlan:
 
 
 Option = OpenPlan | RunStep
+"""A computational action."""
+
+Rule = SelectionRule[Tree[C], Option]
+"""A selection rule for trees of configurations C."""
 
 
-class SelectionRule(Protocol[C]):
-    """A search strategy. One rule serves one search, so it may cache results for nodes."""
-
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """Choose the next computational action.
-
-        Called while there is something to do: the generator is not exhausted, or a plan is open. A rule that rolls out
-        plans reads `tree.log[-1]`: it decides again after every single step.
-        """
-
-
+@runtime_checkable
 class RuleConfig(Protocol):
-    """Configuration of a selection rule."""
+    """Configuration of a selection rule, for trees of any configurations."""
 
-    def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
-        """Create the rule for one search."""
+    def create(self, context: RuleContext[C], /) -> Rule[C]:
+        """The rule for one search."""

@@ -1,6 +1,7 @@
 """STAP's method (Agia et al. 2023) as a selection rule: optimize whole plans first, then execute the best."""
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 from typing import Generic
@@ -8,7 +9,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_fields
-from ictamp_drake.core.protocols import Estimator, PlanOptimizer
+from ictamp_drake.core.protocols import PlanOptimizer, RuleContext
 from ictamp_drake.core.types import C, FloatArray
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
@@ -33,15 +34,20 @@ class StapConfig:
     def __post_init__(self) -> None:
         check_fields(self, "planners.stap", extra=(0, inf), plans=(1, inf), draws=(1, inf), iterations=(0, inf))
 
-    def create(self, estimator: Estimator[C]) -> "Stap[C]":
-        """Create the rule for one search.
+    @property
+    def estimator(self) -> tuple[str, Mapping[str, object]]:
+        """STAP's objective, sought as these constants say."""
+        return "q-value", {"horizon": "plan", "best": True, "draws": self.draws, "refinements": self.iterations}
+
+    def create(self, context: RuleContext[C]) -> "Stap[C]":
+        """The rule for one search.
 
         Raises:
             TypeError: The estimator is not a `PlanOptimizer`.
         """
-        if not isinstance(estimator, PlanOptimizer):
-            raise TypeError(f"{type(estimator).__name__} does not optimize plans")
-        return Stap(self, estimator)
+        if not isinstance(context.estimator, PlanOptimizer):
+            raise TypeError(f"{type(context.estimator).__name__} does not optimize plans")
+        return Stap(self, context.estimator)
 
 
 class Stap(Generic[C]):

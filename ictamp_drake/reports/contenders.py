@@ -3,25 +3,16 @@
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
+from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorConfig, EstimatorContext
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.learning.checkpoint import SKILLS, load, name_of
-from ictamp_drake.world.world import World
-
-
-class Contender(Protocol):
-    """Configuration of an estimator that does not need to run skills."""
-
-    def create(self, world: World) -> Estimator[Configuration]:
-        """Create the estimator for one scene."""
 
 
 @dataclass(frozen=True)
@@ -72,8 +63,8 @@ class KnownRates:
 
     rates: Mapping[str, float]
 
-    def create(self, world: object = None) -> "KnownRates":  # noqa: ARG002  (the same for all estimators)
-        """Return itself, since it is the same in every scene."""
+    def create(self, _: EstimatorContext) -> "KnownRates":
+        """Itself, the same in every scene."""
         return self
 
     def estimate(self, options: Sequence[tuple[Hashable, Skeleton]]) -> FloatArray:
@@ -81,8 +72,8 @@ class KnownRates:
         return np.array([self.rates[plan.actions[0].name] for _, plan in options])
 
 
-def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, Contender]:
-    """Configure by name P, STAP's Q of a single draw, other uses of the critics, P over fewer k, and the base rate.
+def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, EstimatorConfig]:
+    """P, STAP's Q of a single draw and other ways of reading the critics, P over fewer k, and the base rate, by name.
 
     Args:
         checkpoints: Folder of all networks.

@@ -9,9 +9,9 @@ import numpy as np
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray, Skeleton, State
+from ictamp_drake.estimators.context import EstimatorConfig, EstimatorContext
 from ictamp_drake.learning.cases import Case
 from ictamp_drake.learning.dataset import scene
-from ictamp_drake.reports.contenders import Contender
 from ictamp_drake.symbolic.continuation import continue_plan
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goals import parse_goal
@@ -39,7 +39,7 @@ def group_by_scene(cases: Sequence[Case]) -> list[list[Case]]:
     return [list(group) for _, group in groupby(ordered, key=lambda case: case.scene)]
 
 
-def ask_contenders(cases: Sequence[Case], contenders: Mapping[str, Contender]) -> list[Prediction]:
+def ask_contenders(cases: Sequence[Case], contenders: Mapping[str, EstimatorConfig]) -> list[Prediction]:
     """Ask all contenders about the cases of one scene.
 
     Cases whose action does not apply in H(c) are left out: rows hold 32-bit numbers, which can flip a predicate.
@@ -47,7 +47,7 @@ def ask_contenders(cases: Sequence[Case], contenders: Mapping[str, Contender]) -
     world = World(scene(cases[0].spec))
     planned = list(_plan_cases(world, cases))
     options = [(case.c, plan) for case, plan in planned]
-    estimates = np.array([config.create(world).estimate(options) for config in contenders.values()])
+    estimates = np.array([config.create(EstimatorContext(world)).estimate(options) for config in contenders.values()])
     return [Prediction(case, plan, each) for (case, plan), each in zip(planned, estimates.T, strict=True)]
 
 

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
@@ -16,8 +16,9 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.tamp.explanation import Blocked, Explanation
-from ictamp_drake.tamp.replay import duration
-from ictamp_drake.tamp.solve import Solution
+
+if TYPE_CHECKING:
+    from ictamp_drake.tamp.solve import Solution
 
 K = TypeVar("K")
 
@@ -122,8 +123,8 @@ def run_name(problem: str, strategy: str, seed: int) -> str:
     return f"{strategy}/{seed}/{problem}" if strategy else problem
 
 
-def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: Solution) -> Record:
-    """Create the record of a finished search."""
+def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: "Solution") -> Record:
+    """The record of a search that came to its end."""
     result = solution.result
     plan = result.plan if result.solved else None
     return Record(
@@ -143,7 +144,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         low_level_steps=result.low_level_steps,
         steps_by_depth=result.steps_by_depth,
         plan_length=None if plan is None else len(plan),
-        plan_duration_s=None if plan is None else _round_seconds(duration(plan)),
+        plan_duration_s=None if plan is None else _round_seconds(sum(attempt.duration for attempt in plan)),
         failures=_to_names(result.failures),
         rejections=_to_names(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
         seconds_by_stage={

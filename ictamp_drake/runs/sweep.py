@@ -12,9 +12,10 @@ from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import Engine
 from ictamp_drake.runs.folder import RESULTS
+from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.pool import CONTEXT
 from ictamp_drake.runs.records import Record, append
-from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Job, Pages, begin_job, run_job, start_worker
+from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Pages, begin_job, run_job, start_worker
 
 POLL = 0.2
 """Time between two checks of the workers [s]."""

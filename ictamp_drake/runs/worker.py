@@ -4,85 +4,27 @@ import gc
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.runs.board import Board
+from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
-from ictamp_drake.runs.records import Record, record_of, run_name
+from ictamp_drake.runs.records import Record, record_of
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.artefacts import Artefacts, write_pages, write_result
-from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.solve import Solution, solve
-from ictamp_drake.tamp.task import Task, prepare
+from ictamp_drake.tamp.task import prepare
 
 if TYPE_CHECKING:
     from ictamp_drake.viz.live import LiveView
 
 CRASHED, HUNG = "CRASHED", "HUNG"
 """Stop reasons of problems whose process could not report one."""
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A scene to be solved.
-
-    Attributes:
-        name: Name of its record and folder, usually that of its file.
-        spec: The scene.
-        level: Level of the problem: easy, medium, hard, extreme or varied. None for your own scene.
-    """
-
-    name: str
-    spec: SceneSpec
-    level: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.name.startswith("."):
-            problem = "expected a name that does not begin with a dot, got {value}"
-            raise IctampError(Code.BAD_NAME, problem, field="name", value=self.name)
-
-
-@dataclass(frozen=True)
-class Job:
-    """A problem and the method that solves it.
-
-    Attributes:
-        problem: Problem to solve.
-        method: Method that solves it, with its options and seed.
-        strategy: Name of the method. Empty when there is only one.
-        task: Task of the problem if this process has already loaded it. It is not sent to other processes.
-    """
-
-    problem: Problem
-    method: Method
-    strategy: str = ""
-    task: Task | None = field(default=None, compare=False, repr=False)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "task": None}
-
-    @property
-    def name(self) -> str:
-        """Name of its record and folder."""
-        return run_name(self.problem.name, self.strategy, self.method.seed)
-
-    def make_failure_record(self, reason: str, seconds: float, error: str) -> Record:
-        """Create the record of a job that did not finish."""
-        return Record(
-            problem=self.problem.name,
-            strategy=self.strategy,
-            level=self.problem.level,
-            seed=self.method.seed,
-            stop_reason=reason,
-            planning_time_s=round(seconds, 4),
-            error=error,
-        )
 
 
 class Pages(NamedTuple):

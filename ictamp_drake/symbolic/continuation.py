@@ -1,6 +1,7 @@
 """Plans that begin with a given action and continue to the goal, for estimators that look ahead."""
 
 from ictamp_drake.core.types import Action, Atom, Skeleton, State
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 
@@ -17,5 +18,6 @@ def continue_plan(
         ValueError: The action is not applicable in the state.
     """
     promised = domain.successor(state, action)
-    rest = BreadthFirst().create(domain, promised, goal).next_plan(max_expansions) or Skeleton((promised,), ())
+    stream = BreadthFirst().create(GeneratorContext(domain, promised, goal))
+    rest = stream.next_plan(max_expansions) or Skeleton((promised,), ())
     return Skeleton((state, *rest.states), (action, *rest.actions))

@@ -4,26 +4,12 @@ import math
 from collections import deque
 from collections.abc import Collection, Iterator
 from functools import cache
-from typing import Protocol
 
+from ictamp_drake.core.protocols import Guide
 from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import MOVED, held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.masks import Masks
-
-
-class Guide(Protocol):
-    """Estimate of distances by which `skeletons.PlanStream` orders its paths."""
-
-    @property
-    def horizon(self) -> float:
-        """Number of actions up to which plans are ordered correctly. `grow` raises it."""
-
-    def estimate_distance(self, state: State) -> float:
-        """Number of actions from the state to the goal, as far as known. Infinite when no path is known."""
-
-    def grow(self) -> None:
-        """Expand one state to improve the estimates. Called only while the horizon is finite."""
 
 
 class BreadthFirstDistance:

@@ -11,11 +11,12 @@ from heapq import heappop, heappush, heapreplace
 from typing import NamedTuple, Optional
 
 from ictamp_drake.core.checks import FINITE, check_fields
-from ictamp_drake.core.protocols import PlanGenerator
+from ictamp_drake.core.protocols import Guide, PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount, Patience
+from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount, Patience
 
 
 @dataclass(frozen=True)
@@ -32,8 +33,9 @@ class BreadthFirst:
     def __post_init__(self) -> None:
         check_fields(self, "generators.breadth-first", patience=(1, math.inf))
 
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """Create a stream of plans from `initial` to states that contain `goal`."""
+    def create(self, context: GeneratorContext) -> PlanGenerator:
+        """A stream of plans from the initial state to states that hold the goal."""
+        domain, initial, goal = context.domain, context.initial, context.goal
         distance, moves = BreadthFirstDistance(domain, initial, goal), MoveCount(domain, goal, weight=1.0)
         return Detours(domain, initial, goal, Patience(distance, moves, self.patience))
 
@@ -52,9 +54,10 @@ class BestFirst:
     def __post_init__(self) -> None:
         check_fields(self, "generators.best-first", weight=(0, FINITE))
 
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """Create a stream of plans from `initial` to states that contain `goal`."""
-        return Detours(domain, initial, goal, MoveCount(domain, goal, self.weight))
+    def create(self, context: GeneratorContext) -> PlanGenerator:
+        """A stream of plans from the initial state to states that hold the goal."""
+        domain, goal = context.domain, context.goal
+        return Detours(domain, context.initial, goal, MoveCount(domain, goal, self.weight))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

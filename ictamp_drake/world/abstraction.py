@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, IN_HAND, LYING, ON, TIPPED, UPRIGHT
-from ictamp_drake.world.predicates import PredicateConfig, Scene
+from ictamp_drake.world.config import PredicateConfig
+from ictamp_drake.world.predicates import Scene
 from ictamp_drake.world.world import World
 
 

@@ -1,20 +1,18 @@
 """The transition f: physics executes a motion from a configuration."""
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
-from typing import Literal
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlantConfig
 
-from ictamp_drake.core.checks import check_fields, check_vector
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obedience_time, stand_still
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.lookout import Lookout
 from ictamp_drake.world.outcome import Frame, Outcome, Tape
 from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
@@ -23,80 +21,14 @@ from ictamp_drake.world.sleep import NEAR, Sleepers
 from ictamp_drake.world.world import World
 
 
-@dataclass(frozen=True)
-class PhysicsConfig:
-    """Settings of the simulation.
-
-    Attributes:
-        time_step: Time step of the discrete plant [s].
-        contact_approximation: Approximation of contact that Drake's discrete solver uses.
-        arm_stiffness: Stiffness of the controller of each joint [Nm/rad]. A stiffer arm follows the motion more
-            closely.
-        arm_damping: Damping of the controller of each joint [Nm s/rad].
-        finger_stiffness: Stiffness of the controller of each finger [N/m].
-        finger_damping: Damping of the controller of each finger [N s/m].
-        rest_speed: Largest speed of a box at rest [m/s].
-        rest_turn: Largest angular speed of a box at rest [rad/s].
-        settle_time: Longest wait for rest after a motion [s].
-        settle_check: Time between two checks for rest [s].
-        min_pad_force: Smallest force of each finger on a held object, normal and friction together [N].
-        record_period: Time between two recorded states, and between two checks for contact with sleeping boxes [s].
-        sleep: Whether boxes at rest are simulated only where the arm may touch them, or touch what they rest or lean
-            on. Otherwise the whole scene is simulated all the time.
-    """
-
-    time_step: float = 0.004
-    contact_approximation: Literal["lagged", "sap", "similar", "tamsi"] = "sap"
-    arm_stiffness: tuple[float, ...] = (6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 2000.0)
-    arm_damping: tuple[float, ...] = (300.0, 300.0, 250.0, 250.0, 100.0, 100.0, 50.0)
-    finger_stiffness: float = 2000.0
-    finger_damping: float = 50.0
-    rest_speed: float = 2e-3
-    rest_turn: float = 2e-2
-    settle_time: float = 2.0
-    settle_check: float = 0.05
-    min_pad_force: float = 1.0
-    record_period: float = 1 / 30
-    sleep: bool = True
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            "physics",
-            time_step=(1e-5, 0.1),
-            finger_stiffness=(1e-3, 1e9),
-            finger_damping=(0, 1e9),
-            rest_speed=(1e-6, 10),
-            rest_turn=(1e-6, 100),
-            settle_time=(1e-3, 1e3),
-            settle_check=(1e-3, 10),
-            min_pad_force=(1e-3, 1e3),
-            record_period=(1e-3, 1e3),
-        )
-        check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=7)
-        check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=7)
-
-    def create(self, world: World) -> "Physics":
-        """Create a simulator of the scene."""
-        return Physics(world, self)
-
-    def contact(self) -> MultibodyPlantConfig:
-        """Return the time step and the contact model of the plant."""
-        return MultibodyPlantConfig(
-            time_step=self.time_step,
-            contact_model="point",
-            discrete_contact_approximation=self.contact_approximation,
-            sap_near_rigid_threshold=0.0,  # otherwise surfaces get softer with the square of the time step
-        )
-
-    def gains(self) -> tuple[FloatArray, FloatArray]:
-        """Stiffness and damping of the controllers of 7 joints and 2 fingers, each of shape (9,)."""
-        stiffness = np.array([*self.arm_stiffness, *2 * [self.finger_stiffness]])
-        return stiffness, np.array([*self.arm_damping, *2 * [self.finger_damping]])
-
-    def steps(self, seconds: float) -> int:
-        """Number of time steps that last at least `seconds`. Rounding errors of summed durations do not add a step."""
-        return math.ceil(seconds / self.time_step - 1e-6)
+def contact_model(config: PhysicsConfig) -> MultibodyPlantConfig:
+    """The plant's time step and its model of contact."""
+    return MultibodyPlantConfig(
+        time_step=config.time_step,
+        contact_model="point",
+        discrete_contact_approximation=config.contact_approximation,
+        sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
+    )
 
 
 Watcher = Callable[[Segment, "Physics"], bool]
@@ -115,7 +47,7 @@ class Physics:
         self.config = config
         self._world = world
         self._scene = self._plain = self._build(rims=False)
-        contact = config.contact()
+        contact = contact_model(config)
         contact.use_sampled_output_ports = False  # no forces of contact to keep
         self._arm = SimulatedPlant(contact, partial(add_arm, spec=world.spec), config.gains(), None)
         self._sleepers = Sleepers(self._plain)
@@ -129,7 +61,7 @@ class Physics:
         self._looked = (self._scene.x, self._scene.x)
 
     def _build(self, *, rims: bool) -> SimulatedScene:
-        return SimulatedScene(self._world.spec, self.config.contact(), self.config.gains(), rims=rims)
+        return SimulatedScene(self._world.spec, contact_model(self.config), self.config.gains(), rims=rims)
 
     @cached_property
     def _rimmed(self) -> SimulatedScene:
