@@ -13,8 +13,8 @@ class OpenPlan:
     """Ask the plan generator for one more high-level plan.
 
     Attributes:
-        obstructions: what the plan is to get out of the way. When there are any, the search goes on with the plan from
-            wherever its first actions have led already, and not from the root alone.
+        obstructions: Boxes that the plan should move out of the way. When there are any, the search continues the plan
+            from every node that its first actions have already reached, not only from the root.
     """
 
     obstructions: frozenset[Obstruction] = frozenset()

@@ -13,7 +13,7 @@ from ictamp_drake.planning.tree import Tree
 
 @dataclass(frozen=True)
 class UniformAllocationConfig:
-    """Nothing to choose."""
+    """Configuration of uniform allocation, which has no settings."""
 
     def create(self, _: RuleContext[C]) -> "UniformAllocation[C]":
         """The rule for one search."""
@@ -21,10 +21,10 @@ class UniformAllocationConfig:
 
 
 class UniformAllocation(Generic[C]):
-    """Draws among opening a plan and every step that any node could attempt."""
+    """Draw uniformly among opening a plan and every step that any node could attempt."""
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """The next computational action."""
+        """Choose the next computational action."""
         options: list[Option] = [] if tree.exhausted else [OpenPlan()]
         options += tree.runs
         return options[rng.integers(len(options))]

@@ -18,16 +18,15 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import SUPPORTS, read_thing
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
 Vector = tuple[float, float, float]
 
-GRIPPER_WIDTH = 0.075
-"""Widest side that the hand takes [m]: its opening of 0.08 m less the play that fingers need."""
-
-SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
+SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPPORTS}
 """Default size (x, y, z) of each kind of support [m]."""
 
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
@@ -120,8 +119,8 @@ class BoxSpec:
     def _check_width(self) -> None:
         upright = int(np.argmax(np.abs(_rotation(self.rotation).as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
-        if width > GRIPPER_WIDTH:
-            problem = f"expected a horizontal side of at most {GRIPPER_WIDTH} m for the gripper, got {{value}}"
+        if width > MAX_SIDE:
+            problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"
             raise IctampError(Code.TOO_WIDE, problem, field="size", value=self.size)
 
     @property

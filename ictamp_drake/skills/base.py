@@ -6,11 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.commands import gripper_time, stand_still
 
-TIP = 0.012
-"""Distance of the finger tips below G [m]."""
 PAUSE = 0.1
 """Time that the hand waits after the gripper has obeyed [s]."""
 
@@ -22,7 +20,7 @@ def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperComman
 
 def openings(needed: float, clearances: Sequence[float]) -> tuple[GripperCommand, ...]:
     """Commands that open the hand wider than needed by a clearance on each side, or as far as it goes; all in [m]."""
-    widths = (min(needed + 2 * clearance, GRIPPER_MAX_WIDTH) for clearance in clearances)
+    widths = (min(needed + 2 * clearance, MAX_OPENING) for clearance in clearances)
     return tuple(GripperCommand(width) for width in dict.fromkeys(widths))
 
 

@@ -12,7 +12,8 @@ import tyro
 from ictamp_drake.core.checks import check_fields, check_interval, check_range, check_vector
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, MAX_GRIP_FORCE
+from ictamp_drake.models.constants import MAX_GRIP_FORCE
+from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.observation.situations import LIFT
 from ictamp_drake.skills.context import SamplerConfig, SamplerContext, SkillConfig, SkillContext
@@ -39,7 +40,7 @@ def check_clearances(field: str, clearances: Sequence[float]) -> None:
     """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
     if not clearances:
         raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
-    check_vector(field, clearances, 0, GRIPPER_MAX_WIDTH, " m", count=None)
+    check_vector(field, clearances, 0, MAX_OPENING, " m", count=None)
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class OptimizationConfig:
     """
 
     restarts: int = 6
-    max_width: float = 0.075
+    max_width: float = MAX_SIDE
     depth: tuple[float, float] = (0.012, 0.034)
     ground: float = 0.014
     grip_offset: tuple[float, float] = (0.008, 0.001)
@@ -113,11 +114,11 @@ class OptimizationConfig:
             self,
             "samplers.optimization",
             restarts=(1, 1e6),
-            max_width=(1e-3, GRIPPER_MAX_WIDTH),
+            max_width=(1e-3, MAX_OPENING),
             ground=(0, 1),
             turn=(0, 3),
             overhang=(0, 1),
-            play=(0, GRIPPER_MAX_WIDTH),
+            play=(0, MAX_OPENING),
             clearance=(0, 1),
             spots=(1, 1e6),
             room=(0, 10),

@@ -19,9 +19,9 @@ class PredicateConfig:
     """Tolerances of the predicates.
 
     Attributes:
-        contact: surfaces nearer than this touch [m]; a finger that is deeper in a box does not grip it.
-        tilt: largest angle between an upright box's axis and the vertical [rad].
-        slope: largest angle between a carrying contact's normal and the vertical [rad].
+        contact: Largest distance between touching surfaces [m]. A finger deeper than this in a box does not grip it.
+        tilt: Largest tilt of a level box [rad].
+        slope: Largest angle between the normal of a carrying contact and the vertical [rad].
     """
 
     contact: float = 0.0015
@@ -34,23 +34,24 @@ class PredicateConfig:
 
 @dataclass(frozen=True)
 class PhysicsConfig:
-    """How the scene is simulated.
+    """Settings of the simulation.
 
     Attributes:
         time_step: Time step of the discrete plant [s].
         contact_approximation: Approximation of contact that Drake's discrete solver uses.
-        arm_stiffness: Stiffness of the controller of each joint [Nm/rad]; a stiffer arm follows the motion closer.
+        arm_stiffness: Stiffness of the controller of each joint [Nm/rad]. A stiffer arm follows the motion more
+            closely.
         arm_damping: Damping of the controller of each joint [Nm s/rad].
         finger_stiffness: Stiffness of the controller of each finger [N/m].
         finger_damping: Damping of the controller of each finger [N s/m].
-        rest_speed: Greatest speed of a box at rest [m/s].
-        rest_turn: Greatest angular speed of a box at rest [rad/s].
+        rest_speed: Largest speed of a box at rest [m/s].
+        rest_turn: Largest angular speed of a box at rest [rad/s].
         settle_time: Longest wait for rest after a motion [s].
-        settle_check: Time between two looks at the speeds [s].
-        min_pad_force: Least force of each finger on an object that counts as held, normal and friction together [N].
-        record_period: Time between two recorded states, and between two looks for contact with sleeping boxes [s].
-        sleep: Simulate boxes at rest only where the arm may touch them or what they rest or lean on. Otherwise the
-            whole scene is simulated all the time.
+        settle_check: Time between two checks for rest [s].
+        min_pad_force: Smallest force of each finger on a held object, normal and friction together [N].
+        record_period: Time between two recorded states, and between two checks for contact with sleeping boxes [s].
+        sleep: Whether boxes at rest are simulated only where the arm may touch them, or touch what they rest or lean
+            on. Otherwise the whole scene is simulated all the time.
     """
 
     time_step: float = 0.004

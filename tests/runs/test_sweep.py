@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from ictamp_drake.core.reading import build, parse
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.reading import parse
 from ictamp_drake.runs import worker
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
@@ -34,7 +35,7 @@ PAGES = {"tree.json", "tree.svg", "growth.svg", "scene.png", "search.html", "rep
 
 @pytest.fixture
 def job() -> Job:
-    return Job(Problem("scene", build(SceneSpec, parse(SCENE))), METHOD)
+    return Job(Problem("scene", decode(SceneSpec, parse(SCENE))), METHOD)
 
 
 def impossible(job: Job) -> Job:

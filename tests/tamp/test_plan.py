@@ -8,14 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.core.reading import build, parse
+from ictamp_drake.core.reading import parse
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.plan import Plan, read_plan, write_plan
 from tests.runs.programs import SCENE
 
-SPEC = build(SceneSpec, parse(SCENE))
+SPEC = decode(SceneSpec, parse(SCENE))
 OPEN = GripperCommand(0.08)
 numbers = st.floats(-10, 10)
 POSE = np.array([1.0, 0, 0, 0, 0, 0, 0])
