@@ -14,11 +14,11 @@ import yaml
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.experiments.packing import Packing
 from ictamp_drake.plan import PlanOptions, work
-from ictamp_drake.tamp.method import SCENE_METHOD
 from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.tamp.method import SCENE_METHOD
 from ictamp_drake.tamp.plan import read_plan, write_plan
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
@@ -236,7 +236,8 @@ def test_a_box_is_taken_from_between_its_neighbours_and_what_no_skill_moves_stay
 def test_a_missing_scene_is_named(folder: Path) -> None:
     missing = run("plan", "nowhere.yaml", folder=folder)
     assert missing.returncode == BAD_INPUT
-    assert missing.stderr == "nowhere.yaml: cannot be read: No such file or directory\n"
+    assert missing.stderr.startswith("nowhere.yaml: ")
+    assert missing.stderr.count("\n") == 1
     assert missing.stdout == ""
 
 

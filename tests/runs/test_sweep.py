@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from ictamp_drake.runs import worker
-from ictamp_drake.tamp import pages
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.worker import Job, Prepared, Problem
 from ictamp_drake.skills.ik_sampler import OptimizationConfig
+from ictamp_drake.tamp import pages
 from ictamp_drake.tamp.method import Method, Samplers
 from tests.runs.programs import SCENE, timeless
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter
 from ictamp_drake.models.constants import ARM_LIMITS
@@ -20,6 +20,7 @@ from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.runner import SamplerConfig, SkillsConfig
 from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
+from tests.refusals import refusal
 from tests.skills.rig import KINEMATIC, Rig, pick, place, rig
 from tests.world.scenes import RACK_TOP, box, build_tower, scene
 
@@ -249,7 +250,7 @@ def test_a_sampler_that_yields_nothing_has_found_nothing() -> None:
 
 def test_a_skill_for_an_unknown_action_is_refused() -> None:
     setup = rig(FAR)
-    with pytest.raises(IctampError, match="action of a skill of one's own is 'pikc', but must be one of: pick, place"):
+    with refusal(Code.UNKNOWN_CHOICE, "skills", value="pikc", choices=("pick", "place")):
         SkillsConfig().create(setup.world, setup.abstraction, setup.physics, Fruitless(), {"pikc": PickConfig()})
 
 

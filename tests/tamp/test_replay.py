@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from ictamp_drake.core.reading import build, parse
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.reading import parse
 from ictamp_drake.core.types import Attempt, Configuration, FloatArray, Motion, Segment
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import SceneSpec
@@ -176,7 +177,7 @@ def test_what_sleeps_changes_nothing(solution: Solution) -> None:
 @pytest.fixture(scope="module")
 def small() -> Solution:
     """A scene that takes two skills."""
-    return solve(load(build(SceneSpec, parse(SCENE)), METHOD), METHOD)
+    return solve(load(decode(SceneSpec, parse(SCENE)), METHOD), METHOD)
 
 
 def test_a_plan_without_its_last_skill_is_executed_but_does_not_reach_the_goal(small: Solution) -> None:
