@@ -62,22 +62,22 @@ def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None
     X_WG = world.upright_frame(c, box).X_WU @ RigidTransform(DOWN, [0.0, 0.0, max(0.0, size[2] / 2 - 0.03)])
     above = RigidTransform(X_WG.rotation(), X_WG.translation() + LIFT)
     start = time.process_time()
-    clock.time("set configuration", lambda: planner.set_configuration(c))
-    q = clock.time("posture", lambda: planner.posture(X_WG, c.q[:7]))
+    clock.time("new configuration", lambda: planner.scene.is_free(c, c.q[:7]))
+    q = clock.time("posture", lambda: planner.posture(c, X_WG, c.q[:7]))
     if isinstance(q, Refusal):
         return
-    back = clock.time("straight", lambda: planner.plan_straight(q, above))
+    back = clock.time("straight", lambda: planner.plan_straight(c, q, above))
     if isinstance(back, Refusal):
         return
-    clock.time(stage, lambda: planner.transfer(c.q[:7], back.trajectory.end, rng))
+    clock.time(stage, lambda: planner.transfer(c, c.q[:7], back.trajectory.end, rng))
     held = grasp(c, box, size, q)
-    clock.time("set configuration, holding", lambda: planner.set_configuration(held))
-    lift = clock.time("straight, holding", lambda: planner.plan_straight(q, above))
+    clock.time("new configuration, holding", lambda: planner.scene.is_free(held, q))
+    lift = clock.time("straight, holding", lambda: planner.plan_straight(held, q, above))
     clock.samples["whole pick"].append(1e3 * (time.process_time() - start))
     X_WG2 = RigidTransform(X_WG.rotation(), np.array([*world.spec.supports["rack"].position[:2], 0.4]))
-    q2 = clock.time("posture", lambda: planner.posture(X_WG2, q))
+    q2 = clock.time("posture", lambda: planner.posture(held, X_WG2, q))
     if isinstance(lift, PlannedMotion) and not isinstance(q2, Refusal):
-        clock.time(stage, lambda: planner.transfer(lift.trajectory.end, q2, rng))
+        clock.time(stage, lambda: planner.transfer(held, lift.trajectory.end, q2, rng))
 
 
 def forest(spec: SceneSpec, rng: np.random.Generator) -> SceneSpec:
@@ -92,15 +92,15 @@ def forest(spec: SceneSpec, rng: np.random.Generator) -> SceneSpec:
 
 def cross_forest(world: World, clock: Clock, rng: np.random.Generator) -> None:
     """Transfers among tall boxes."""
-    planner = MotionPlanner(world)
+    planner, c = MotionPlanner(world), world.initial_configuration()
     qs: list[FloatArray] = []
     while len(qs) < 7:
         place = RigidTransform(DOWN, rng.uniform([0.3, -0.15, 0.06], [0.7, 0.4, 0.25]))
-        q = planner.posture(place, planner.kinematics.comfortable_posture(place))
+        q = planner.posture(c, place, planner.kinematics.comfortable_posture(place))
         if not isinstance(q, Refusal):
             qs.append(q)
     for q0, q1 in pairwise(qs):
-        clock.time(lambda result: f"forest, {stage(result)}", partial(planner.transfer, q0, q1, rng))
+        clock.time(lambda result: f"forest, {stage(result)}", partial(planner.transfer, c, q0, q1, rng))
 
 
 def main() -> None:

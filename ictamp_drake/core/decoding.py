@@ -25,7 +25,7 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
     Raises:
         IctampError: An unknown or missing field, or a value that is of the wrong type or refused by the dataclass.
     """
-    fields, hints = _fields(schema)  # type: ignore[arg-type]  (a class can be hashed)
+    fields, hints = _fields(schema)  # type: ignore[arg-type]  # a class can be hashed
     values = {}
     for name, value in mapping(raw, where).items():
         if name not in fields:

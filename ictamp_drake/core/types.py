@@ -110,7 +110,7 @@ class Configuration:
         q: joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
         poses: X_WO of every box by name, each of shape (7,).
         held: the box that the hand grips, or None when it grips nothing.
-        gripper: the last command of the hand; by default it is as far open as it goes.
+        gripper: the last command of the hand; by default as far open as the Panda's goes (`models.hand.MAX_OPENING`).
         commanded: last commanded positions of the arm, where the next motion starts [rad], shape (7,); by default those
             of `q`, from which an arm that carries a load differs by a fraction of a milliradian.
         x: complete state of the simulated plant, positions and velocities in its own order, whose quaternions are not

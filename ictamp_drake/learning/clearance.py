@@ -9,15 +9,11 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.hand import FINGER, MAX_OPENING, PALM, WRIST
 
-FINGER = (0.011, 0.0135, -0.0095)
-"""Half sides along x and y of an open finger, and the height of its tip in G with z up [m]."""
-PALM = (0.0195, 0.101, 0.037)
-WRIST = (0.075, 0.075, 0.105)
 PARTS = 4
 """Fingers, palm, wrist, box."""
-_SIDE = GRIPPER_MAX_WIDTH / 2 + FINGER[1]
+_SIDE = MAX_OPENING / 2 + FINGER.half_width
 _HAND = torch.tensor([(_SIDE, *FINGER), (-_SIDE, *FINGER), (0.0, *PALM), (0.0, *WRIST)])
 """Of each part of the hand: shift across G's x axis, half sides, height of the lower face [m]."""
 
@@ -26,9 +22,9 @@ class Blocks(NamedTuple):
     """Upright boxes as seen from k; components come first, which is fastest.
 
     Attributes:
-        centre: shape (3, ...) [m].
-        heading: direction of the x axis in the horizontal plane, shape (2, ...).
-        half: half sides, shape (3, ...) [m].
+        centre: Position of the center, shape (3, ...) [m].
+        heading: Direction of the x axis in the horizontal plane, shape (2, ...).
+        half: Half sides, shape (3, ...) [m].
     """
 
     centre: Tensor
@@ -40,10 +36,10 @@ def clearances(hand: Tensor, heading: Tensor, box: Blocks, objects: Blocks) -> T
     """Distances of the parts from n times m objects, negative where they overlap, shape (4, n, m) [m].
 
     Args:
-        hand: position of G, shape (3, n) [m].
-        heading: of G's x axis, shape (2, n).
-        box: the box to grasp or the held one, n of them.
-        objects: n times m of them.
+        hand: Position of G, shape (3, n) [m].
+        heading: Direction of G's x axis in the horizontal plane, shape (2, n).
+        box: Boxes to grasp or held boxes, n of them.
+        objects: Objects to keep clear of, n times m of them.
     """
     shift, length, width, lower = _HAND.T[..., None]
     x, y, z = hand

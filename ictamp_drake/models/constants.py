@@ -1,4 +1,4 @@
-"""What a Franka Emika Panda can do: names, limits and inertial parameters.
+"""What a Franka Emika Panda can do: names, limits and inertial parameters; its hand's geometry is in `models.hand`.
 
 Limits and Denavit-Hartenberg parameters are those of Franka's control interface documentation ("Robot and interface
 specifications"). Masses and inertias of the arm are the parameters identified by Gaz, Cognetti, Oliva, Robuffo Giordano
@@ -65,12 +65,6 @@ DH_PARAMETERS = (
 )
 FLANGE_OFFSET = 0.107
 """Distance of the flange `panda_link8` from `panda_link7` along z [m]."""
-HAND_ANGLE = -math.pi / 4
-"""Turn of the hand against the flange about z [rad]."""
-GRASP_OFFSET = 0.1034
-"""Distance of the grasp frame G from the flange along z [m]."""
-FINGER_OFFSET = 0.0584
-"""Distance of the finger frames from the flange along z [m]."""
 
 INERTIALS = {
     "panda_link0": Inertial(
@@ -102,21 +96,10 @@ INERTIALS = {
     "panda_rightfinger": Inertial(0.015, (0.0, 0.0, 0.0), (2.375e-6, 2.375e-6, 7.5e-7, 0.0, 0.0, 0.0)),
 }
 
-GRIPPER_MAX_WIDTH = 0.08
-"""Distance between the pads of the open hand [m]."""
 MAX_GRIP_FORCE = 70.0
 """Continuous force of each finger [N]."""
 MAX_FINGER_SPEED = 0.05
 """Speed of each finger [m/s]."""
-
-PAD_HALF_WIDTH = 0.01
-"""Half width of a pad along the finger frame's x [m]."""
-PAD_HALF_HEIGHT = 0.0095
-"""Half height of a pad along the finger frame's z [m]."""
-PAD_THICKNESS = 0.0155
-"""Thickness of finger and pad from the gripping face, which is the finger frame's plane y = 0, outwards [m]."""
-PAD_CENTRE = 0.045
-"""Height of the pad's centre above the finger's frame, so that it stands in the grasp frame G [m]."""
 
 HOME: FloatArray = np.array([0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4])
 """A comfortable configuration of the arm, the hand pointing down in front of the base [rad], shape (7,)."""

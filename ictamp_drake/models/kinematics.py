@@ -3,7 +3,8 @@
 import numpy as np
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import DH_PARAMETERS, FLANGE_OFFSET, GRASP_OFFSET, HAND_ANGLE
+from ictamp_drake.models.constants import DH_PARAMETERS, FLANGE_OFFSET
+from ictamp_drake.models.hand import GRASP_OFFSET, HAND_ANGLE
 
 
 def link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:

@@ -1,6 +1,7 @@
 """SDF of the things around the robot: boxes to move, tables and racks to put them on.
 
-A model's only link has the model's name, so that `plant.GetBodyByName(name)` finds it.
+A model's only link has the model's name, so that `plant.GetBodyByName(name)` finds it. Supports of any size have the
+colors of the committed ones.
 """
 
 from collections.abc import Sequence
@@ -14,30 +15,12 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.models.constants import Inertial
 from ictamp_drake.models.contact import CONTACT_RADIUS, OBJECT, SUPPORT
 from ictamp_drake.models.sdf_text import Color, Shape, collision, document, element, inertial, visual
+from ictamp_drake.models.things import read_thing
 
 Size = tuple[float, float, float]
 
-WOOD: Color = (0.80, 0.68, 0.52)
-METAL: Color = (0.55, 0.58, 0.62)
-
-TABLE_SIZE: Size = (1.2, 0.9, 0.05)
-RACK_SIZE: Size = (0.22, 0.32, 0.16)
 RACK_THICKNESS = 0.01
 """Thickness of a rack's top plate, legs and stabilisers [m]."""
-
-BOX_MASS = 0.1
-BOX_SIZES: dict[str, Size] = {
-    "yellow_box": (0.057, 0.057, 0.066),
-    "red_box": (0.05, 0.05, 0.118),
-    "cyan_box": (0.058, 0.058, 0.07),
-    "blue_box": (0.05, 0.05, 0.106),
-}
-BOX_COLORS: dict[str, Color] = {
-    "yellow_box": (0.95, 0.78, 0.15),
-    "red_box": (0.82, 0.16, 0.16),
-    "cyan_box": (0.15, 0.75, 0.80),
-    "blue_box": (0.16, 0.32, 0.75),
-}
 
 _EDGE_WIDTH = 0.003
 _EDGE_DEPTH = 0.0003
@@ -123,7 +106,7 @@ def table_sdf(name: str, size: Size) -> str:
         IctampError: a side is not positive.
     """
     _check(name, size, 1e-3)
-    return _support_sdf(name, (Shape("top", "box", size, (0.0, 0.0, -size[2] / 2)),), WOOD)
+    return _support_sdf(name, (Shape("top", "box", size, (0.0, 0.0, -size[2] / 2)),), read_thing("table").color)
 
 
 def rack_sdf(name: str, size: Size) -> str:
@@ -145,4 +128,4 @@ def rack_sdf(name: str, size: Size) -> str:
         for i, sy in enumerate((-1, 1))
     )
     top = Shape("top", "box", (x, y, side), (0.0, 0.0, -side / 2))
-    return _support_sdf(name, (top, *legs, *stabilisers), METAL)
+    return _support_sdf(name, (top, *legs, *stabilisers), read_thing("rack").color)

@@ -40,10 +40,12 @@ class Contact(NamedTuple):
 
 
 class CollisionScene:
-    """The scene of one configuration c, for many positions of the arm. Holds two Drake contexts.
+    """Where the arm touches things in a configuration c: at any q, whatever q c has itself.
 
-    The held box moves with the hand, everything else stands where c says; contact among the things that stand still
-    does not count.
+    The boxes stand where c has them, the held one is in the hand and moves with it, and the fingers are as far open as
+    in c. Contact among the things that stand still does not count.
+
+    Holds two Drake contexts, in which the c that was asked about last stays: asking about it again is quick.
 
     Args:
         world: the scene.
@@ -62,50 +64,45 @@ class CollisionScene:
         )
         self._exact, self._padded = (_Shapes(world, self._still, held_shrinkage, grown) for grown in (0.0, padding))
         self._padding = padding if self._padded.are_grown else 0.0
-        self.set_configuration(world.initial_configuration())
 
-    def set_configuration(self, c: Configuration) -> None:
-        """Put the boxes where c has them, the held one into the hand, and the fingers where c has them."""
-        for shapes in (self._exact, self._padded):
-            shapes.set_configuration(c)
-
-    def is_free(self, q: FloatArray, padding: float = 0.0) -> bool:
+    def is_free(self, c: Configuration, q: FloatArray, padding: float = 0.0) -> bool:
         """Whether the arm at q, shape (7,) [rad], touches neither the scene nor itself.
 
         Args:
+            c: where everything else is.
             q: joint positions.
             padding: distance that arm and held box keep from what stands still [m]; 0 is much quicker.
         """
-        if 0 < padding <= self._padding and not self._padded.query(q).HasCollisions():
+        if 0 < padding <= self._padding and not self._padded.query(c, q).HasCollisions():
             return True
-        return not self._exact.query(q).HasCollisions() and (padding <= 0 or not self.contacts(q, padding))
+        return not self._exact.query(c, q).HasCollisions() and (padding <= 0 or not self.contacts(c, q, padding))
 
-    def are_free(self, qs: FloatArray, padding: float = 0.0) -> bool:
+    def are_free(self, c: Configuration, qs: FloatArray, padding: float = 0.0) -> bool:
         """Whether all of qs, shape (m, 7), are free; far apart ones are looked at first, the first contact ends it."""
-        return all(self.is_free(qs[i], padding) for i in sorted(range(len(qs)), key=lambda i: -(i & -i)))
+        return all(self.is_free(c, qs[i], padding) for i in sorted(range(len(qs)), key=lambda i: -(i & -i)))
 
-    def contacts(self, q: FloatArray, padding: float = 0.0) -> list[Contact]:
+    def contacts(self, c: Configuration, q: FloatArray, padding: float = 0.0) -> list[Contact]:
         """What overlaps or is nearer than the padding at q, shape (7,) [rad], nearest first."""
         found = []
-        for pair in self._exact.query(q).ComputeSignedDistancePairwiseClosestPoints(padding):
+        for pair in self._exact.query(c, q).ComputeSignedDistancePairwiseClosestPoints(padding):
             still = {pair.id_A, pair.id_B} & self._still
             if still or pair.distance < 0:  # parts of the arm may come near each other
                 moving, other = (pair.id_B, pair.id_A) if pair.id_A in still else (pair.id_A, pair.id_B)
                 found.append(Contact(self._exact.name(moving), self._exact.name(other), pair.distance))
         return sorted(found, key=lambda contact: contact.distance)
 
-    def first_contact(self, qs: FloatArray, padding: float = 0.0) -> Contact | None:
+    def first_contact(self, c: Configuration, qs: FloatArray, padding: float = 0.0) -> Contact | None:
         """What is met first along qs, shape (m, 7)."""
-        colliding = (q for q in qs if not self.is_free(q, padding))
-        return next((contacts[0] for q in colliding if (contacts := self.contacts(q, padding))), None)
+        colliding = (q for q in qs if not self.is_free(c, q, padding))
+        return next((contacts[0] for q in colliding if (contacts := self.contacts(c, q, padding))), None)
 
-    def clearance(self, q: FloatArray, limit: float) -> float:
+    def clearance(self, c: Configuration, q: FloatArray, limit: float) -> float:
         """Distance to what stands still, `limit` when it is larger; negative in collision [m]."""
-        return min((contact.distance for contact in self.contacts(q, limit)), default=limit)
+        return min((contact.distance for contact in self.contacts(c, q, limit)), default=limit)
 
-    def clearance_gradients(self, q: FloatArray, limit: float) -> list[tuple[float, FloatArray]]:
+    def clearance_gradients(self, c: Configuration, q: FloatArray, limit: float) -> list[tuple[float, FloatArray]]:
         """Distances below the limit [m] between moving and still things, each with its derivative by q, shape (7,)."""
-        query = self._exact.query(q)
+        query = self._exact.query(c, q)
         found = []
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(limit):
             if not {pair.id_A, pair.id_B} & self._still:
@@ -134,6 +131,7 @@ class _Shapes:
         self._scene_context = self._scene_graph.GetMyMutableContextFromRoot(self._root)
         self._port = self._scene_graph.get_query_output_port()
         self._held: tuple[str, GeometryId] | None = None
+        self._c: Configuration | None = None
         self._q = self._plant.GetPositions(self._context).copy()
         self._leave_only_collision_shapes()
         self.are_grown = grown > 0 and all(self._grow(geometry, grown) for geometry in still)
@@ -166,8 +164,8 @@ class _Shapes:
     def _inspector(self) -> SceneGraphInspector:
         return self._port.Eval(self._scene_context).inspector()
 
-    def set_configuration(self, c: Configuration) -> None:
-        """See `CollisionScene`."""
+    def _enter(self, c: Configuration) -> None:
+        """Put the boxes where c has them, the held one into the hand, and the fingers where c has them."""
         bodies = self._world.bodies
         self._plant.SetPositions(self._context, bodies.arm, c.q)
         for name, body in bodies.boxes.items():
@@ -178,6 +176,7 @@ class _Shapes:
             X_WH = self._plant.EvalBodyPoseInWorld(self._context, bodies.hand)
             self._attach(c.held, X_WH.inverse() @ to_transform(c.poses[c.held]))
         self._q = self._plant.GetPositions(self._context).copy()
+        self._c = c
 
     def _detach(self) -> None:
         if self._held is not None:
@@ -196,8 +195,10 @@ class _Shapes:
     def _frame(self, body: RigidBody) -> FrameId:
         return self._plant.GetBodyFrameIdOrThrow(body.index())
 
-    def query(self, q: FloatArray) -> QueryObject:
-        """With the arm at q, shape (7,) [rad]; good until the next one."""
+    def query(self, c: Configuration, q: FloatArray) -> QueryObject:
+        """In c but with the arm at q, shape (7,) [rad]; good until the next one."""
+        if c is not self._c and c != self._c:
+            self._enter(c)
         self._q[:7] = q  # the arm was added first, so its positions are the first ones
         self._plant.SetPositions(self._context, self._q)
         return self._port.Eval(self._scene_context)

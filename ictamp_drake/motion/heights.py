@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.constants import PAD_HALF_HEIGHT
+from ictamp_drake.models.hand import PAD_HALF_HEIGHT
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World

@@ -8,7 +8,6 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
@@ -45,13 +44,15 @@ class PlannedMotion:
 
 
 class MotionPlanner:
-    """Plans in one scene. Holds Drake contexts; the same calls give the same motions.
+    """Plans in one scene, among the boxes of a configuration c. The same call gives the same motion.
+
+    Every call is given c: where the boxes are, which of them is in the hand, and how far the fingers are open. Where
+    the arm of c is does not matter unless it holds a box, whose place in the hand follows from both.
 
     Attributes:
         kinematics: of the arm alone.
         optimizer: of trajectories, blind to collisions.
         scene: where arm and held box touch things.
-        stopwatch: computing time by stage.
     """
 
     def __init__(self, world: World, config: MotionConfig | None = None) -> None:
@@ -59,18 +60,11 @@ class MotionPlanner:
         self.kinematics = ArmKinematics(to_transform(world.spec.arm.X_WB), self.config.kinematics)
         self.optimizer = TrajectoryOptimizer(self.config.trajectory)
         self.scene = CollisionScene(world, self.config.held_shrinkage, self.config.padding)
-        self.stopwatch = Stopwatch()
         self._world = world
-        self._c = world.initial_configuration()
-
-    def set_configuration(self, c: Configuration) -> None:
-        """Plan from now on among the boxes of c, with the box that c holds in the hand and c's finger opening."""
-        self._c = c
-        with self.stopwatch.stage("collision check"):
-            self.scene.set_configuration(c)
 
     def posture(
         self,
+        c: Configuration,
         X_WG: RigidTransform,
         q_guess: FloatArray,
         towards: RigidTransform | None = None,
@@ -78,6 +72,7 @@ class MotionPlanner:
         """Joint positions with G at X_WG and no collision, near q_guess, shape (7,) [rad].
 
         Args:
+            c: what is around, and in the hand.
             X_WG: where G shall be.
             q_guess: what they shall be near to.
             towards: a pose of G that the arm must be able to follow a straight line to; collisions on it do not count.
@@ -90,108 +85,101 @@ class MotionPlanner:
 
         def accept(q: FloatArray) -> bool:
             nonlocal stuck
-            if not self.scene.is_free(q):
+            if not self.scene.is_free(c, q):
                 colliding.append(q)
                 return False
             stuck = towards is not None and self.kinematics.line(q, towards) is None
             return not stuck
 
-        with self.stopwatch.stage("inverse kinematics"):
-            q = self.kinematics.solve(X_WG, q_guess, accept)
+        q = self.kinematics.solve(X_WG, q_guess, accept)
         if q is not None:
             return q
         if stuck:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         if colliding:
-            return Refusal.from_contact(Failure.GOAL_IN_COLLISION, self.scene.first_contact(np.array(colliding)))
+            return Refusal.from_contact(Failure.GOAL_IN_COLLISION, self.scene.first_contact(c, np.array(colliding)))
         return Refusal(Failure.NO_INVERSE_KINEMATICS)
 
-    def plan_straight(self, q0: FloatArray, X_WG1: RigidTransform) -> PlannedMotion | Refusal:
+    def plan_straight(self, c: Configuration, q0: FloatArray, X_WG1: RigidTransform) -> PlannedMotion | Refusal:
         """The hand goes on a straight line from where q0 holds it to X_WG1, turning evenly.
 
-        The way to a known q1 is the reversed way from it: `straight(q1, X_WG0).trajectory.reversed()`.
+        The way to a known q1 is the reversed way from it: `plan_straight(c, q1, X_WG0).trajectory.reversed()`.
         """
-        with self.stopwatch.stage("inverse kinematics"):
-            path = self.kinematics.line(q0, X_WG1)
+        path = self.kinematics.line(q0, X_WG1)
         if path is None:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
-        with self.stopwatch.stage("trajectory"):
-            points = max(self.config.trajectory.control_points, len(path) + 5)
-            trajectory = self.optimizer.follow(path, points)
-        if self._is_free(trajectory):
+        points = max(self.config.trajectory.control_points, len(path) + 5)
+        trajectory = self.optimizer.follow(path, points)
+        if self._is_free(c, trajectory):
             return PlannedMotion(trajectory, "straight")
-        failure = Failure.NO_PATH if self.scene.is_free(trajectory.end) else Failure.GOAL_IN_COLLISION
-        return Refusal.from_contact(failure, self._first_contact(trajectory))
+        failure = Failure.NO_PATH if self.scene.is_free(c, trajectory.end) else Failure.GOAL_IN_COLLISION
+        return Refusal.from_contact(failure, self._first_contact(c, trajectory))
 
-    def transfer(self, q0: FloatArray, q1: FloatArray, rng: np.random.Generator) -> PlannedMotion | Refusal:
+    def transfer(
+        self, c: Configuration, q0: FloatArray, q1: FloatArray, rng: np.random.Generator
+    ) -> PlannedMotion | Refusal:
         """From q0 to q1, both of shape (7,) [rad], on whatever way is free."""
         room = self.config.padding
         for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
-            nearest = min(self.scene.contacts(q, self.config.padding), default=None, key=lambda each: each.distance)
+            nearest = min(self.scene.contacts(c, q, self.config.padding), default=None, key=lambda each: each.distance)
             if nearest is not None and nearest.distance <= 0:
                 return Refusal.from_contact(failure, nearest)
             room = room if nearest is None else min(room, nearest.distance)
         padding = 0.9 * room  # the ends pass for certain
-        with self.stopwatch.stage("trajectory"):
-            free = self.optimizer.connect(q0, q1)
-        for stage, trajectory in self._candidates(free, padding, rng):
-            if self._is_free(trajectory, padding):
+        free = self.optimizer.connect(q0, q1)
+        for stage, trajectory in self._candidates(c, free, padding, rng):
+            if self._is_free(c, trajectory, padding):
                 return PlannedMotion(trajectory, stage)
-        return Refusal.from_contact(Failure.NO_PATH, self._first_contact(free, padding))
+        return Refusal.from_contact(Failure.NO_PATH, self._first_contact(c, free, padding))
 
     def _candidates(
-        self, free: Trajectory, padding: float, rng: np.random.Generator
+        self, c: Configuration, free: Trajectory, padding: float, rng: np.random.Generator
     ) -> Iterator[tuple[str, Trajectory]]:
         trajectory, q0, q1 = free, free.start, free.end
         yield "free", trajectory
-        with self.stopwatch.stage("path"):
-            path = self._raise_path(q0, q1)
+        path = self._raise_path(c, q0, q1)
         for trajectory in self._fit_path(path):
             yield "raised", trajectory
-        with self.stopwatch.stage("path"):
-            limits = self.kinematics.lower, self.kinematics.upper
-            path = find_path(
-                q0, q1, lambda q: self.scene.is_free(q, padding), limits=limits, rng=rng, config=self.config.path
-            )
+        limits = self.kinematics.lower, self.kinematics.upper
+        path = find_path(
+            q0, q1, lambda q: self.scene.is_free(c, q, padding), limits=limits, rng=rng, config=self.config.path
+        )
         for trajectory in self._fit_path(path):
             yield "sampled", trajectory
         for _ in range(self.config.push_rounds if path is not None else 0):
-            with self.stopwatch.stage("trajectory"):
-                trajectory = self._push_away(trajectory, padding)
+            trajectory = self._push_away(c, trajectory, padding)
             yield "pushed", trajectory
 
-    def _raise_path(self, q0: FloatArray, q1: FloatArray) -> FloatArray | None:
+    def _raise_path(self, c: Configuration, q0: FloatArray, q1: FloatArray) -> FloatArray | None:
         """A path over what stands in between."""
         p0, p1 = (self.kinematics.forward(q).translation() for q in (q0, q1))
-        height = obstacle_height(self._world, self._c, p0, p1, self.config.hand_width) + self.config.rise
-        height += reach_below_grasp(self._world, self._c, self.kinematics.forward(self._c.q[:7]))
+        height = obstacle_height(self._world, c, p0, p1, self.config.hand_width) + self.config.rise
+        height += reach_below_grasp(self._world, c, self.kinematics.forward(c.q[:7]))
         return raised_path(self.kinematics, q0, q1, height)
 
     def _fit_path(self, path: FloatArray | None) -> Iterator[Trajectory]:
         if path is None:
             return
         for radius, points in self.config.corridors:
-            with self.stopwatch.stage("trajectory"):
-                trajectory = self.optimizer.follow_corridor(path, radius, points)
+            trajectory = self.optimizer.follow_corridor(path, radius, points)
             yield trajectory
 
-    def _push_away(self, trajectory: Trajectory, padding: float) -> Trajectory:
+    def _push_away(self, c: Configuration, trajectory: Trajectory, padding: float) -> Trajectory:
         """The trajectory moved away from what it is too near to, as if distances were linear in the joints."""
         demands = []
         for share in np.linspace(0.0, 1.0, self.config.push_samples)[1:-1]:
             q = trajectory.positions(np.array([share * trajectory.duration]))[0]
             margin = self.config.push_margin * min(1.0, 5 * share, 5 * (1 - share))  # none at the ends, which are fixed
-            for distance, gradient in self.scene.clearance_gradients(q, padding + margin + self.config.push_margin):
+            for distance, gradient in self.scene.clearance_gradients(c, q, padding + margin + self.config.push_margin):
                 offset = padding + margin - distance + gradient @ q
                 demands.append(HalfSpace(float(share), gradient, float(offset)))
         return self.optimizer.adjust(trajectory, self.config.push_radius, demands)
 
-    def _is_free(self, trajectory: Trajectory, padding: float = 0.0) -> bool:
-        with self.stopwatch.stage("collision check"):
-            return self.scene.are_free(self._samples(trajectory), padding)
+    def _is_free(self, c: Configuration, trajectory: Trajectory, padding: float = 0.0) -> bool:
+        return self.scene.are_free(c, self._samples(trajectory), padding)
 
-    def _first_contact(self, trajectory: Trajectory, padding: float = 0.0) -> Contact | None:
-        return self.scene.first_contact(self._samples(trajectory), padding)
+    def _first_contact(self, c: Configuration, trajectory: Trajectory, padding: float = 0.0) -> Contact | None:
+        return self.scene.first_contact(c, self._samples(trajectory), padding)
 
     def _samples(self, trajectory: Trajectory) -> FloatArray:
         return sample(trajectory, self.kinematics.forward_all, self.config.step, self.config.turn)

@@ -52,10 +52,6 @@ class Trajectory:
         """Joint positions at times, shape (m,) [s], as an array of shape (m, 7) [rad]."""
         return np.asarray(self._spline(times))
 
-    def derivatives(self, times: FloatArray, order: int) -> FloatArray:
-        """Derivative of an order at times, shape (m,) [s], as an array of shape (m, 7) [rad/s^order]."""
-        return np.asarray(self._spline.derivative(order)(times))
-
     def reversed(self) -> "Trajectory":
         """The same way back in the same time."""
         return Trajectory(self.order, self.duration - self.knots[::-1], self.control_points[::-1])

@@ -1,4 +1,4 @@
-"""What a selection rule is: it reads the tree and says which computational action comes next."""
+"""Interface of selection rules, which read the tree and choose the next computational action."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -15,8 +15,8 @@ class OpenPlan:
     """Ask the plan generator for one more high-level plan.
 
     Attributes:
-        obstructions: what the plan is to get out of the way. When there are any, the search goes on with the plan from
-            wherever its first actions have led already, and not from the root alone.
+        obstructions: Boxes that the plan should move out of the way. When there are any, the search continues the plan
+            from every node that its first actions have already reached, not only from the root.
     """
 
     obstructions: frozenset[Obstruction] = frozenset()
@@ -26,13 +26,13 @@ Option = OpenPlan | RunStep
 
 
 class SelectionRule(Protocol[C]):
-    """A search strategy. One rule serves one search, so it may remember what it computed for a node."""
+    """A search strategy. One rule serves one search, so it may cache results for nodes."""
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """The next computational action.
+        """Choose the next computational action.
 
-        Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
-        plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
+        Called while there is something to do: the generator is not exhausted, or a plan is open. A rule that rolls out
+        plans reads `tree.log[-1]`: it decides again after every single step.
         """
 
 
@@ -40,4 +40,4 @@ class RuleConfig(Protocol):
     """Configuration of a selection rule."""
 
     def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
-        """The rule for one search."""
+        """Create the rule for one search."""

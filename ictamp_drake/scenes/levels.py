@@ -9,8 +9,9 @@ from pathlib import Path
 
 from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.models.things import BOXES, read_thing
 from ictamp_drake.scenes.layout import Spot, Stack
-from ictamp_drake.scenes.spec import BoxSpec, SupportSpec, Vector
+from ictamp_drake.scenes.spec import SUPPORT_SIZES, BoxSpec, SupportSpec, Vector
 
 
 @dataclass(frozen=True)
@@ -41,28 +42,14 @@ COUNTS = {**{name: level.count for name, level in PAPER_LEVELS.items()}, "extrem
 
 LEVELS = tuple(COUNTS)
 
-SIZES: dict[str, Vector] = {
-    "yellow_box": (0.057, 0.057, 0.066),
-    "red_box": (0.05, 0.05, 0.118),
-    "cyan_box": (0.058, 0.058, 0.07),
-    "blue_box": (0.05, 0.05, 0.106),
-    "green_box": (0.045, 0.06, 0.08),
-    "purple_box": (0.04, 0.07, 0.1),
-}
-
-COLORS: dict[str, Vector] = {
-    "yellow_box": (0.95, 0.8, 0.15),
-    "red_box": (0.8, 0.12, 0.1),
-    "cyan_box": (0.15, 0.75, 0.8),
-    "blue_box": (0.15, 0.3, 0.8),
-    "green_box": (0.2, 0.6, 0.2),
-    "purple_box": (0.5, 0.2, 0.6),
-}
+SIZES: dict[str, Vector] = {name: read_thing(name).size for name in BOXES}
+"""Size of each box, by name [m]."""
 
 SUPPORTS = {
     "table": SupportSpec(kind="table", position=(0.3, 0.0, 0.0)),
-    "rack": SupportSpec(kind="rack", position=(0.44, -0.33, 0.16), yaw=90.0),
+    "rack": SupportSpec(kind="rack", position=(0.44, -0.33, SUPPORT_SIZES["rack"][2]), yaw=90.0),
 }
+"""The table, and the rack that stands on it."""
 
 
 def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]:
@@ -70,7 +57,8 @@ def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]
     boxes = {}
     for name, offset, z, rotation, _ in stack:
         position = round(spot[0] + offset[0], 4), round(spot[1] + offset[1], 4), round(floor + z, 6)
-        boxes[name] = BoxSpec(size=SIZES[name], position=position, rotation=rotation, colour=COLORS[name])
+        size, mass, friction, color = read_thing(name)
+        boxes[name] = BoxSpec(size, position, rotation, mass, friction, color)
     return boxes
 
 

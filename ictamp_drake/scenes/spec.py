@@ -19,13 +19,12 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import SUPPORTS, read_thing
 
 Vector = tuple[float, float, float]
 
-GRIPPER_WIDTH = 0.075
-"""Widest side that the hand takes [m]: its opening of 0.08 m less the play that fingers need."""
-
-SUPPORT_SIZES: dict[str, Vector] = {"table": (1.2, 0.9, 0.05), "rack": (0.22, 0.32, 0.16)}
+SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPPORTS}
 """Default size (x, y, z) of each kind of support [m]."""
 
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
@@ -118,8 +117,8 @@ class BoxSpec:
     def _check_width(self) -> None:
         upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
-        if width > GRIPPER_WIDTH:
-            problem = f"expected a horizontal side of at most {GRIPPER_WIDTH} m for the gripper, got {{value}}"
+        if width > MAX_SIDE:
+            problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"
             raise IctampError(Code.TOO_WIDE, problem, field="size", value=self.size)
 
     @property
@@ -206,12 +205,18 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
     write_whole(path, to_yaml(spec))
 
 
-def to_yaml(spec: SceneSpec) -> str:
-    """The text of the scene's file."""
-    plain = _to_plain(dataclasses.asdict(spec))
+def to_dict(spec: SceneSpec) -> dict[str, Any]:
+    """The scene in the types of YAML and JSON; `start` is left out where it says nothing."""
+    values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
-        del plain["start"]
-    return str(yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True))
+        del values["start"]
+    return values
+
+
+def to_yaml(spec: SceneSpec) -> str:
+    """Text of the scene's file."""
+    text = yaml.safe_dump(to_dict(spec), sort_keys=False, default_flow_style=None, width=120, allow_unicode=True)
+    return str(text)
 
 
 def _to_plain(value: Any) -> Any:

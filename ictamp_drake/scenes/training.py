@@ -7,6 +7,7 @@ within reach, behind the arm's base, and close to each other. All are drawn from
 import numpy as np
 
 from ictamp_drake.core.seeding import Stream, generator
+from ictamp_drake.models.hand import MAX_SIDE
 from ictamp_drake.scenes.clutter import random_boxes, random_supports
 from ictamp_drake.scenes.levels import PAPER_LEVELS
 from ictamp_drake.scenes.packing import make_problem
@@ -41,5 +42,5 @@ def training_scene(number: int, seed: int = 0) -> SceneSpec:
 def _size(rng: np.random.Generator) -> Vector:
     """Sides of a box that the hand can grip, whichever way it lies [m]."""
     wide = rng.random() < 0.15
-    depth, height = ((0.075, 0.095), (0.04, 0.075)) if wide else ((0.035, 0.075), (0.04, 0.13))
-    return round(rng.uniform(0.035, 0.075), 3), round(rng.uniform(*depth), 3), round(rng.uniform(*height), 3)
+    depth, height = ((MAX_SIDE, 0.095), (0.04, MAX_SIDE)) if wide else ((0.035, MAX_SIDE), (0.04, 0.13))
+    return round(rng.uniform(0.035, MAX_SIDE), 3), round(rng.uniform(*depth), 3), round(rng.uniform(*height), 3)

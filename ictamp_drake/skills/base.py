@@ -9,7 +9,7 @@ import numpy as np
 from ictamp_drake.core.checks import check_vector
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter, Segment
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.world.commands import gripper_time, stand_still
 from ictamp_drake.world.world import World
@@ -19,8 +19,6 @@ CLEARANCES = (0.01, 0.006, 0.003)
 
 The first one bears a box that is 3 mm and 2 deg from where it was seen, the last one what the arm deviates by.
 """
-TIP = 0.012
-"""Distance of the finger tips below G [m]."""
 PAUSE = 0.1
 """Time that the hand waits after the gripper has obeyed [s]."""
 
@@ -49,7 +47,7 @@ def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperComman
 
 def openings(needed: float, clearances: Sequence[float]) -> tuple[GripperCommand, ...]:
     """Commands that open the hand wider than needed by a clearance on each side, or as far as it goes; all in [m]."""
-    widths = (min(needed + 2 * clearance, GRIPPER_MAX_WIDTH) for clearance in clearances)
+    widths = (min(needed + 2 * clearance, MAX_OPENING) for clearance in clearances)
     return tuple(GripperCommand(width) for width in dict.fromkeys(widths))
 
 
@@ -57,7 +55,7 @@ def check_clearances(field: str, clearances: Sequence[float]) -> None:
     """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
     if not clearances:
         raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
-    check_vector(field, clearances, 0, GRIPPER_MAX_WIDTH, " m", count=None)
+    check_vector(field, clearances, 0, MAX_OPENING, " m", count=None)
 
 
 def configuration_after(

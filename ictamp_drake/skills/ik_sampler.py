@@ -15,16 +15,14 @@ from pydrake.solvers import SnoptSolver
 from ictamp_drake.core.checks import check_fields, check_interval, check_vector
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH, PAD_THICKNESS
+from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE, PAD_RADIUS, TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.skills.base import CLEARANCES, TIP
+from ictamp_drake.skills.base import CLEARANCES
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
-PAD_RADIUS = PAD_THICKNESS / 2
-"""Of the largest circle inside a pad as seen from above [m]."""
 UPRIGHT_ANGLE = 1e-3
 """Largest tilt of a box that is placed [rad]."""
 
@@ -53,7 +51,7 @@ class OptimizationConfig:
     """
 
     restarts: int = 6
-    max_width: float = 0.075
+    max_width: float = MAX_SIDE
     depth: tuple[float, float] = (0.012, 0.034)
     ground: float = 0.014
     grip_offset: tuple[float, float] = (0.008, 0.001)
@@ -77,11 +75,11 @@ class OptimizationConfig:
             self,
             "samplers.optimisation",
             restarts=(1, 1e6),
-            max_width=(1e-3, GRIPPER_MAX_WIDTH),
+            max_width=(1e-3, MAX_OPENING),
             ground=(0, 1),
             turn=(0, 3),
             overhang=(0, 1),
-            play=(0, GRIPPER_MAX_WIDTH),
+            play=(0, MAX_OPENING),
             clearance=(0, 1),
             spots=(1, 1e6),
             room=(0, 10),
@@ -179,7 +177,7 @@ class OptimizationSampler:
         program.keep_inside(lower, upper, aim, np.zeros(3))
         program.align(R_DOWN, RotationMatrix())
         height, width = float((program.X_WA @ aim)[2]), float(lying.size[1 - quarter % 2])
-        y = min(width / 2 + config.play, GRIPPER_MAX_WIDTH / 2) + PAD_RADIUS
+        y = min(width / 2 + config.play, MAX_OPENING / 2) + PAD_RADIUS
         pads = np.array([[0.0, y, 0.0], [0.0, -y, 0.0]])
         program.keep_clear(pads, PAD_RADIUS + config.clearance / 2, around, height)
         if config.clearance == 0:

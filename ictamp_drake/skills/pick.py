@@ -9,10 +9,11 @@ from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
+from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.observation.situations import LIFT
-from ictamp_drake.skills.base import CLEARANCES, TIP, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.base import CLEARANCES, check_clearances, configuration_after, hold, imagine, openings
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, needed_opening, raise_pose, squared_grasp
 from ictamp_drake.world.commands import gripper_time
 from ictamp_drake.world.poses import to_pose, to_transform
@@ -65,8 +66,8 @@ class Pick:
         approach = self._approach(c, opening, back.end, rng)
         if isinstance(approach, Refusal):
             return approach
-        planner.set_configuration(imagine(c, q=q_grasp, width=grasp.width, held=box))
-        lift = planner.plan_straight(q_grasp, raise_pose(X_WG, self._config.lift))
+        grasped = imagine(c, q=q_grasp, width=grasp.width, held=box)
+        lift = planner.plan_straight(grasped, q_grasp, raise_pose(X_WG, self._config.lift))
         if isinstance(lift, Refusal):
             return lift
         return (
@@ -84,9 +85,9 @@ class Pick:
         X_WG_above = raise_pose(X_WG, self._world.upright_frame(c, box).size[2] / 2 - k[2] + TIP + config.margin)
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in openings(needed_opening(self._world, c, box, X_WG), config.clearances):
-            planner.set_configuration(imagine(c, q=c.commanded, width=opening.width, held=None))
-            q_grasp = planner.posture(X_WG, c.commanded, towards=X_WG_above)
-            back = q_grasp if isinstance(q_grasp, Refusal) else planner.plan_straight(q_grasp, X_WG_above)
+            opened = imagine(c, q=c.commanded, width=opening.width, held=None)
+            q_grasp = planner.posture(opened, X_WG, c.commanded, towards=X_WG_above)
+            back = q_grasp if isinstance(q_grasp, Refusal) else planner.plan_straight(opened, q_grasp, X_WG_above)
             if not isinstance(back, Refusal):
                 return opening, back.trajectory
             refusal = back
@@ -99,14 +100,14 @@ class Pick:
     ) -> Motion | Refusal:
         """The way from c to q, shape (7,) [rad], on which the hand goes over to its opening; before it, if need be."""
         planner = self._planner
-        planner.set_configuration(imagine(c, q=c.commanded, width=max(opening.width, c.gripper.width), held=None))
-        way = planner.transfer(c.commanded, q, rng)
+        widest = imagine(c, q=c.commanded, width=max(opening.width, c.gripper.width), held=None)
+        way = planner.transfer(widest, c.commanded, q, rng)
         first = (
             isinstance(way, Refusal) and way.failure is Failure.GOAL_IN_COLLISION and opening.width < c.gripper.width
         )
         if first:
-            planner.set_configuration(imagine(c, q=c.commanded, width=opening.width, held=None))
-            way = planner.transfer(c.commanded, q, rng)
+            opened = imagine(c, q=c.commanded, width=opening.width, held=None)
+            way = planner.transfer(opened, c.commanded, q, rng)
         if isinstance(way, Refusal):
             return way
         approach = way.trajectory.segment("approach", opening, ())

@@ -9,9 +9,10 @@ from pydrake.math import RigidTransform, RotationMatrix
 from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
+from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.skills.base import CLEARANCES, TIP, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.base import CLEARANCES, check_clearances, configuration_after, hold, imagine, openings
 from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raise_pose, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
@@ -57,11 +58,10 @@ class Place:
         X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses[box])
         above = self._top_above_hand(c, box, X_GB) + TIP + self._config.margin
 
-        planner.set_configuration(c)
-        q_place = planner.posture(X_WG, c.commanded, towards=raise_pose(X_WG, max(self._config.drop, above)))
+        q_place = planner.posture(c, X_WG, c.commanded, towards=raise_pose(X_WG, max(self._config.drop, above)))
         if isinstance(q_place, Refusal):
             return q_place
-        back = planner.plan_straight(q_place, raise_pose(X_WG, self._config.drop))
+        back = planner.plan_straight(c, q_place, raise_pose(X_WG, self._config.drop))
         if isinstance(back, Refusal):
             return back
         needed = needed_opening(self._world, c, box, X_WG0)
@@ -70,8 +70,7 @@ class Place:
         if isinstance(way, Refusal):
             return way
         opening, retreat = way
-        planner.set_configuration(c)
-        transfer = planner.transfer(c.commanded, back.trajectory.end, rng)
+        transfer = planner.transfer(c, c.commanded, back.trajectory.end, rng)
         if isinstance(transfer, Refusal):
             return transfer
         return (
@@ -87,8 +86,8 @@ class Place:
         """The first opening for which the neighbours leave room, and the straight way with it to X_WG."""
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in fitting:
-            self._planner.set_configuration(imagine(placed, q=placed.q[:7], width=opening.width, held=None))
-            retreat = self._planner.plan_straight(placed.q[:7], X_WG)
+            opened = imagine(placed, q=placed.q[:7], width=opening.width, held=None)
+            retreat = self._planner.plan_straight(opened, placed.q[:7], X_WG)
             if not isinstance(retreat, Refusal):
                 return opening, retreat.trajectory
             refusal = retreat

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -84,11 +83,7 @@ def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: 
     physics = physics or PhysicsConfig().create(World(plan.spec))
     attempts = plan.attempts
     if any(attempt.recording is None for attempt in attempts):
-        outcomes = [physics.run(plan.c, attempts[0].motion), *(physics.proceed(a.motion) for a in attempts[1:])]
-        attempts = tuple(
-            replace(attempt, motion=outcome.motion, recording=outcome.recording)
-            for attempt, outcome in zip(attempts, outcomes, strict=True)
-        )
+        attempts = plan.replay(physics.config).recorded(attempts)
     replay_html(plan.spec, plan_frames(physics, attempts), plan_captions(attempts, starts(attempts)), path, stage=stage)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from time import process_time
 
@@ -29,6 +29,13 @@ class Replay:
     outcomes: tuple[Outcome, ...]
     reached: bool
     seconds: float
+
+    def recorded(self, attempts: Sequence[Attempt[Configuration]]) -> tuple[Attempt[Configuration], ...]:
+        """The skills that were executed, with the motions and recordings of this execution."""
+        return tuple(
+            replace(attempt, motion=outcome.motion, recording=outcome.recording)
+            for attempt, outcome in zip(attempts, self.outcomes, strict=False)
+        )
 
     @property
     def c(self) -> Configuration:

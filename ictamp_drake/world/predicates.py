@@ -1,6 +1,5 @@
-"""Predicates computed from poses and contacts: when a is carried by b, and when the hand holds a."""
+"""Predicates computed from poses and contacts: whether b carries a, and whether the hand grips a."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,9 +14,9 @@ class PredicateConfig:
     """Tolerances of the predicates.
 
     Attributes:
-        contact: surfaces nearer than this touch [m]; a finger that is deeper in a box does not grip it.
-        tilt: largest angle between an upright box's axis and the vertical [rad].
-        slope: largest angle between a carrying contact's normal and the vertical [rad].
+        contact: Largest distance between touching surfaces [m]. A finger deeper than this in a box does not grip it.
+        tilt: Largest tilt of a level box [rad].
+        slope: Largest angle between the normal of a carrying contact and the vertical [rad].
     """
 
     contact: float = 0.0015
@@ -26,14 +25,6 @@ class PredicateConfig:
 
     def __post_init__(self) -> None:
         check_fields(self, "predicates", contact=(1e-4, 0.02), tilt=(1e-3, 1), slope=(1e-3, 1.5))
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """Outcome of a predicate with the quantities it was decided by [m, rad]."""
-
-    holds: bool
-    quantities: Mapping[str, float]
 
 
 class Scene:
@@ -47,35 +38,33 @@ class Scene:
         touches = world.touches(c, config.contact)
         self._touches = {(t.a, t.b): t for t in touches}
         self._touches |= {(t.b, t.a): Touch(t.b, t.a, t.distance, -t.normal) for t in touches}
-        self._carried: dict[tuple[str, str], Evaluation] = {}
+        self._carried: dict[tuple[str, str], bool] = {}
 
-    def evaluate_tilt(self, a: str) -> Evaluation:
-        """Whether one of a's faces is level; how far it is from that."""
-        angle = float(np.arccos(np.clip(self.boxes[a].X_WU.rotation().matrix()[2, 2], -1.0, 1.0)))
-        return Evaluation(angle <= self.config.tilt, {"tilt": angle})
+    def is_level(self, a: str) -> bool:
+        """Whether one of a's faces is level."""
+        return self._angle(self.boxes[a].X_WU.rotation().matrix()[2, 2]) <= self.config.tilt
 
-    def evaluate_above(self, a: str, b: str) -> Evaluation:
+    def is_above(self, a: str, b: str) -> bool:
         """Whether a touches b from above."""
         touch = self._touches.get((a, b))
-        if touch is None:
-            return Evaluation(False, {"distance": np.inf})
-        slope = float(np.arccos(np.clip(touch.normal[2], -1.0, 1.0)))
-        return Evaluation(slope <= self.config.slope, {"distance": touch.distance, "slope": slope})
+        return touch is not None and self._angle(touch.normal[2]) <= self.config.slope
 
-    def evaluate_carried(self, a: str, b: str) -> Evaluation:
-        """Whether b carries a: contact from above, the centre of mass of a inside b's top face, and a level."""
+    def is_carried(self, a: str, b: str) -> bool:
+        """Whether b carries a: contact from above, the center of mass of a inside b's top face, and a level."""
         if (a, b) not in self._carried:
-            self._carried[a, b] = self._compute_carried(a, b)
+            self._carried[a, b] = self.is_above(a, b) and self.is_level(a) and self._is_over_top(a, b)
         return self._carried[a, b]
 
-    def _compute_carried(self, a: str, b: str) -> Evaluation:
-        above, tilt = self.evaluate_above(a, b), self.evaluate_tilt(a)
+    def _is_over_top(self, a: str, b: str) -> bool:
         p_TA = self.world.X_WT(self.c, b).inverse() @ self.boxes[a].X_WU.translation()
-        overhang = float(np.max(np.abs(p_TA[:2]) - self.world.top_size(self.c, b) / 2))
-        holds = above.holds and tilt.holds and overhang <= 0 < p_TA[2]
-        return Evaluation(holds, {**above.quantities, **tilt.quantities, "overhang": overhang})
+        overhang = np.max(np.abs(p_TA[:2]) - self.world.top_size(self.c, b) / 2)
+        return bool(overhang <= 0 < p_TA[2])
 
-    def evaluate_gripped(self, a: str) -> Evaluation:
+    def is_gripped(self, a: str) -> bool:
         """Whether both fingers touch a, and none cuts into it."""
-        distances = {f: self._touches[f, a].distance if (f, a) in self._touches else np.inf for f in FINGERS}
-        return Evaluation(max(map(abs, distances.values())) <= self.config.contact, distances)
+        touches = [self._touches.get((finger, a)) for finger in FINGERS]
+        return all(touch is not None and abs(touch.distance) <= self.config.contact for touch in touches)
+
+    @staticmethod
+    def _angle(cosine: float) -> float:
+        return float(np.arccos(np.clip(cosine, -1.0, 1.0)))

@@ -17,8 +17,10 @@ from pydrake.multibody.plant import (
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from ictamp_drake import models
-from ictamp_drake.models.constants import INERTIALS
+from ictamp_drake.models.constants import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, HOME, INERTIALS, MAX_GRIP_FORCE
+from ictamp_drake.models.hand import MAX_OPENING
+from ictamp_drake.models.package import add_package
+from ictamp_drake.models.shapes import box_sdf
 
 # Franka's documentation, "Denavit-Hartenberg parameters" (Craig's convention): a [m], d [m], alpha [rad].
 PUBLISHED_DH = (
@@ -47,7 +49,7 @@ BOX_WIDTH = 0.05
 def add_panda(builder: DiagramBuilder, time_step: float) -> tuple[MultibodyPlant, SceneGraph]:
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
     parser = Parser(plant)
-    models.add_package(parser)
+    add_package(parser)
     parser.AddModelsFromUrl("package://ictamp_drake/sdf/panda.sdf")
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("panda_link0"))
     return plant, scene_graph
@@ -71,8 +73,8 @@ def fraction(low: float = 0.0, high: float = 1.0) -> st.SearchStrategy[list[floa
 
 @given(fractions=fraction())
 def test_forward_kinematics_is_the_published_table(plant: MultibodyPlant, fractions: list[float]) -> None:
-    lower = np.array([limit.lower for limit in models.ARM_LIMITS])
-    upper = np.array([limit.upper for limit in models.ARM_LIMITS])
+    lower = np.array([limit.lower for limit in ARM_LIMITS])
+    upper = np.array([limit.upper for limit in ARM_LIMITS])
     q = lower + np.array(fractions) * (upper - lower)
     context = plant.CreateDefaultContext()
     plant.SetPositions(context, np.r_[q, 0.0, 0.0])
@@ -91,7 +93,7 @@ def test_grasp_frame_is_between_the_pads(plant: MultibodyPlant) -> None:
     X = plant.GetFrameByName("grasp").CalcPose(context, plant.GetFrameByName("panda_link8"))
     expected = RigidTransform(RotationMatrix.MakeZRotation(-math.pi / 4), [0.0, 0.0, 0.1034])
     assert X.IsNearlyEqualTo(expected, 1e-9)
-    plant.SetPositions(context, np.r_[models.HOME, 0.02, 0.02])
+    plant.SetPositions(context, np.r_[HOME, 0.02, 0.02])
     G = plant.GetFrameByName("grasp")
     for name, side in (("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)):
         p_G = plant.GetFrameByName(name).CalcPose(context, G).translation()
@@ -100,27 +102,27 @@ def test_grasp_frame_is_between_the_pads(plant: MultibodyPlant) -> None:
 
 def test_home_points_down_in_front_of_the_base(plant: MultibodyPlant) -> None:
     context = plant.CreateDefaultContext()
-    plant.SetPositions(context, np.r_[models.HOME, 0.0, 0.0])
+    plant.SetPositions(context, np.r_[HOME, 0.0, 0.0])
     X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(context)
     np.testing.assert_allclose(X_WG.rotation().col(2), [0.0, 0.0, -1.0], atol=1e-6)
     assert X_WG.translation()[0] > 0.25
 
 
 def test_limits_are_the_published_table() -> None:
-    np.testing.assert_array_equal(np.array(models.ARM_LIMITS), PUBLISHED_LIMITS)
+    np.testing.assert_array_equal(np.array(ARM_LIMITS), PUBLISHED_LIMITS)
 
 
 def test_limits_in_the_plant_are_the_constants(plant: MultibodyPlant) -> None:
-    limits = np.array(models.ARM_LIMITS)
+    limits = np.array(ARM_LIMITS)
     np.testing.assert_allclose(plant.GetPositionLowerLimits()[:7], limits[:, 0])
     np.testing.assert_allclose(plant.GetPositionUpperLimits()[:7], limits[:, 1])
     np.testing.assert_allclose(plant.GetVelocityUpperLimits()[:7], limits[:, 2])
     np.testing.assert_allclose(plant.GetAccelerationUpperLimits()[:7], limits[:, 3])
     np.testing.assert_allclose(plant.GetEffortUpperLimits()[:7], limits[:, 5])
-    np.testing.assert_allclose(plant.GetPositionUpperLimits()[7:], models.GRIPPER_MAX_WIDTH / 2)
-    np.testing.assert_allclose(plant.GetEffortUpperLimits()[7:], models.MAX_GRIP_FORCE)
+    np.testing.assert_allclose(plant.GetPositionUpperLimits()[7:], MAX_OPENING / 2)
+    np.testing.assert_allclose(plant.GetEffortUpperLimits()[7:], MAX_GRIP_FORCE)
     names = [plant.get_joint_actuator(i).joint().name() for i in plant.GetJointActuatorIndices()]
-    assert tuple(names) == models.ARM_JOINTS + models.FINGER_JOINTS
+    assert tuple(names) == ARM_JOINTS + FINGER_JOINTS
 
 
 def test_masses_in_the_plant_are_the_constants(plant: MultibodyPlant) -> None:
@@ -144,17 +146,17 @@ class Hand:
         builder = DiagramBuilder()
         plant, _ = add_panda(builder, 0.002)
         plant.set_discrete_contact_approximation(approximation)
-        sdf = models.box_sdf("box", (BOX_WIDTH, BOX_WIDTH, 0.06), 0.1, 1.0, (1.0, 0.0, 0.0))
+        sdf = box_sdf("box", (BOX_WIDTH, BOX_WIDTH, 0.06), 0.1, 1.0, (1.0, 0.0, 0.0))
         Parser(plant).AddModelsFromString(sdf, "sdf")
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -gravity])
         plant.Finalize()
         self.plant = plant
         self.simulator = Simulator(builder.Build())
         self.context = plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
-        for joint, angle in zip(models.ARM_JOINTS, models.HOME, strict=True):
+        for joint, angle in zip(ARM_JOINTS, HOME, strict=True):
             plant.GetJointByName(joint).set_angle(self.context, angle)
             plant.GetJointByName(joint).Lock(self.context)
-        for joint in models.FINGER_JOINTS:
+        for joint in FINGER_JOINTS:
             plant.GetJointByName(joint).set_translation(self.context, opening / 2)
         X_WG = plant.GetFrameByName("grasp").CalcPoseInWorld(self.context)
         plant.SetFreeBodyPose(self.context, plant.GetBodyByName("box"), X_WG)
@@ -173,7 +175,7 @@ class Hand:
 @pytest.mark.parametrize("approximation", APPROXIMATIONS)
 def test_hand_opens_to_its_full_width(approximation: DiscreteContactApproximation) -> None:
     fingers = Hand(approximation, opening=0.06).push(5.0, 0.2)
-    np.testing.assert_allclose(2.0 * fingers, models.GRIPPER_MAX_WIDTH, atol=1e-4)
+    np.testing.assert_allclose(2.0 * fingers, MAX_OPENING, atol=1e-4)
 
 
 @pytest.mark.parametrize("approximation", APPROXIMATIONS)

@@ -13,9 +13,8 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
 from ictamp_drake.core.errors import Code
-from ictamp_drake.models import box_sdf, rack_sdf, table_sdf
 from ictamp_drake.models.contact import CONTACT_RADIUS
-from ictamp_drake.models.shapes import box_contacts, rim_contacts
+from ictamp_drake.models.shapes import box_contacts, box_sdf, rack_sdf, rim_contacts, table_sdf
 from tests.refusals import refusal
 
 RED = (1.0, 0.0, 0.0)

@@ -31,6 +31,12 @@ def world() -> World:
     return World(SceneSpec(supports=supports, boxes=boxes, goal="(on blue_box rack)"))
 
 
+@pytest.fixture(scope="session")
+def c(world: World) -> Configuration:
+    """All boxes where the scene has them, and an open, empty hand."""
+    return world.initial_configuration()
+
+
 @pytest.fixture
 def planner(world: World) -> MotionPlanner:
     """A planner that nothing was asked yet."""

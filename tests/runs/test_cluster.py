@@ -18,6 +18,7 @@ from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.method import Method
 from tests.refusals import refusal
 from tests.runs.clusters import two_nodes
@@ -59,7 +60,9 @@ def test_a_task_that_fails_dies_or_hangs_takes_no_other_with_it(cluster: Cluster
 def jobs() -> list[Job]:
     """Single steps of six problems."""
     method = Method(max_steps=1, time_limit=200.0)
-    return [Job(Problem(path.stem, path, "easy"), method, "p-score") for path in problem_files("easy", "0:6")]
+    return [
+        Job(Problem(path.stem, load_scene(path), "easy"), method, "p-score") for path in problem_files("easy", "0:6")
+    ]
 
 
 def test_a_node_that_dies_in_mid_sweep_costs_nothing(cluster: Cluster, tmp_path: Path) -> None:

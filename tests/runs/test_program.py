@@ -6,11 +6,15 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.reading import parse
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.program import Work, run
 from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.method import Method
 from tests.runs import recorded
+from tests.runs.programs import SCENE
 
 
 @pytest.mark.parametrize(
@@ -25,7 +29,7 @@ from tests.runs import recorded
 def test_pictures_are_found_where_it_says_that_they_are(strategy: str, count: int, place: str, tmp_path: Path) -> None:
     records = [recorded.run(strategy, number) for number in range(count)]
     out = recorded.folder_of(tmp_path / "out", records, {"program": "packing"})
-    jobs = [Job(Problem(record.problem, Path("scene.yaml")), Method(), strategy) for record in records]
+    jobs = [Job(Problem(record.problem, decode(SceneSpec, parse(SCENE))), Method(), strategy) for record in records]
     printed = StringIO()
     assert run(Work("packing", {"program": "packing"}, jobs, Conduct(out=out)), Console(file=printed)) == 0
     assert f"Searches: {out / place}\n" in printed.getvalue()

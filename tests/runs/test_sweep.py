@@ -10,15 +10,19 @@ from pathlib import Path
 
 import pytest
 
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.reading import parse
 from ictamp_drake.runs import worker
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
-from ictamp_drake.runs.worker import Job, Prepared, Problem
+from ictamp_drake.runs.worker import Job, Problem
+from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.skills.ik_sampler import OptimizationConfig
 from ictamp_drake.tamp import pages
 from ictamp_drake.tamp.method import Method, Samplers
+from ictamp_drake.tamp.task import load
 from tests.runs.programs import SCENE, timeless
 
 METHOD = Method(time_limit=250.0)
@@ -30,9 +34,16 @@ PAGES = {"tree.json", "tree.svg", "growth.svg", "scene.png", "search.html", "rep
 
 
 @pytest.fixture
-def job(tmp_path: Path) -> Job:
-    (tmp_path / "scene.yaml").write_text(SCENE)
-    return Job(Problem("scene", tmp_path / "scene.yaml"), METHOD)
+def job() -> Job:
+    return Job(Problem("scene", decode(SceneSpec, parse(SCENE))), METHOD)
+
+
+def impossible(job: Job) -> Job:
+    """The job in a scene where a box hangs in the air."""
+    spec = job.problem.spec
+    name, box = next(iter(spec.boxes.items()))
+    hanging = replace(spec, boxes={**spec.boxes, name: replace(box, position=(0.5, 0.0, 0.9))})
+    return replace(job, problem=replace(job.problem, spec=hanging))
 
 
 class Told:
@@ -72,30 +83,22 @@ def test_a_job_in_this_process_leaves_what_it_leaves_in_a_worker(job: Job, tmp_p
         assert (tmp_path / "here" / "scene" / name).read_bytes() == (tmp_path / "there" / "scene" / name).read_bytes()
 
 
-def test_what_was_prepared_is_used_and_does_not_travel(job: Job, tmp_path: Path) -> None:
-    prepared = Prepared.read(job.problem.path, SHORT)
-    job.problem.path.unlink()
-    short = replace(job, method=SHORT, prepared=prepared)
-    (record,) = done(short, tmp_path / "out", artefacts="none").records
+def test_a_task_that_was_loaded_is_used_and_does_not_travel(job: Job, tmp_path: Path) -> None:
+    task = load(job.problem.spec, SHORT)
+    loaded = replace(impossible(job), method=SHORT, task=task)
+    (record,) = done(loaded, tmp_path / "out", artefacts="none").records
     assert record.error is None
     assert record.low_level_steps == 1
-    assert record.planning_time_s >= prepared.seconds
-    elsewhere = done(short, tmp_path / "there", alone=False, artefacts="none")
-    assert "scene.yaml: cannot be read" in (elsewhere.records[0].error or "")
-
-
-def test_time_between_preparation_and_solution_is_not_planning_time(job: Job) -> None:
-    prepared = Prepared.read(job.problem.path, METHOD)
-    aged = replace(prepared.task, started=prepared.task.started - 1000.0)
-    assert prepared._replace(task=aged).begin().started > aged.started + 999.0
+    assert record.planning_time_s >= round(task.setup_time_s, 4)
+    elsewhere = done(loaded, tmp_path / "there", alone=False, artefacts="none")
+    assert elsewhere.records[0].stop_reason == "CRASHED"
 
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_a_job_that_fails_is_a_record(job: Job, tmp_path: Path, alone: bool) -> None:
-    job.problem.path.unlink()
-    (record,) = done(job, tmp_path / "out", alone=alone).records
+    (record,) = done(impossible(job), tmp_path / "out", alone=alone).records
     assert record.stop_reason == "CRASHED"
-    assert "cannot be read" in (record.error or "")
+    assert "scene: boxes." in (record.error or "")
     assert not record.is_final
     assert not (tmp_path / "out" / "scene").exists()
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.reading import parse
-from ictamp_drake.models import rack_sdf
+from ictamp_drake.models.shapes import rack_sdf
 from ictamp_drake.scenes.spec import (
     INTERFERENCES,
     SUPPORT_SIDES,

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import Code
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.skills.base import CLEARANCES, openings
 from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.skills.place import PlaceConfig
@@ -20,10 +20,10 @@ def test_the_hand_leaves_room_on_both_sides_or_is_as_far_open_as_it_goes(
     widths = [command.width for command in commands]
     assert len(set(widths)) == len(widths)
     assert all(command.force == 0 for command in commands)
-    assert max(widths) <= GRIPPER_MAX_WIDTH
+    assert max(widths) <= MAX_OPENING
     for clearance in clearances:
-        assert min(needed + 2 * clearance, GRIPPER_MAX_WIDTH) in widths
-    assert all(width >= min(needed + 2 * min(clearances), GRIPPER_MAX_WIDTH) for width in widths)
+        assert min(needed + 2 * clearance, MAX_OPENING) in widths
+    assert all(width >= min(needed + 2 * min(clearances), MAX_OPENING) for width in widths)
 
 
 def test_a_comfortable_opening_is_tried_first() -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, GripperCommand, Motion
-from ictamp_drake.models.constants import GRIPPER_MAX_WIDTH
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
 from ictamp_drake.skills.base import CLEARANCES
@@ -62,7 +62,7 @@ def test_the_hand_comes_down_open_wide_enough(
     commands = commands_by_label(motion)
     assert not isinstance(motion, Refusal)
     needed = needed_opening(FREE, c, box, grasp_pose(FREE, c, box, k))
-    assert commands["lower"].width == pytest.approx(min(needed + 2 * CLEARANCES[0], GRIPPER_MAX_WIDTH))
+    assert commands["lower"].width == pytest.approx(min(needed + 2 * CLEARANCES[0], MAX_OPENING))
     assert commands["approach"] == commands["lower"]
     assert commands["lower"].force == 0
     assert commands["grasp"].width <= needed

@@ -13,7 +13,7 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import Context, DiagramBuilder
 from scipy.spatial import cKDTree
 
-from ictamp_drake import models
+from ictamp_drake.models.package import add_package
 
 SLACK = {"panda_hand": 0.010, "panda_leftfinger": 0.005, "panda_rightfinger": 0.005}
 """How far the primitives may stand out of hand and fingers [m]; 2 cm for every other link."""
@@ -38,7 +38,7 @@ class Links:
         builder = DiagramBuilder()
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, 0.0)
         parser = Parser(plant)
-        models.add_package(parser)
+        add_package(parser)
         parser.AddModelsFromUrl("package://ictamp_drake/sdf/panda.sdf")
         plant.Finalize()
         self.plant: MultibodyPlant = plant

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ictamp_drake.models import HOME
+from ictamp_drake.models.constants import HOME
 from tools.panda.panda import panda_sdf
 from tools.panda.self_collision import ALWAYS, FINGERS, Probe, ignored_pairs, shares
 

@@ -6,7 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from tools.panda.write import FOLDER, contents
+from ictamp_drake.models.things import FOLDER
+from tools.panda.write import contents
 
 CONTENTS = contents()
 

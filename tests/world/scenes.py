@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Segment
-from ictamp_drake.models.shapes import BOX_SIZES
+from ictamp_drake.scenes import levels
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
@@ -12,7 +12,7 @@ from ictamp_drake.world.world import World
 TABLE = SupportSpec("table", (0.3, 0.0, 0.0))
 RACK = SupportSpec("rack", (0.44, -0.33, 0.16), yaw=90.0)
 RACK_TOP = 0.16
-SIZES = BOX_SIZES
+SIZES = {name: levels.SIZES[name] for name in ("yellow_box", "red_box", "cyan_box", "blue_box")}
 
 
 def box(

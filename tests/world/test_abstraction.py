@@ -57,19 +57,17 @@ def test_the_centre_of_mass_must_be_above_the_outline(
     c = arrange(
         world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4 + shift[0], 0.1 + shift[1], 0.07 + 0.059)}
     )
-    assert abstraction.eval(c, Atom("on", ("red_box", "cyan_box"))) == carried
-    assert abstraction.eval_detailed(c, Atom("on", ("red_box", "cyan_box")))["overhang"] == pytest.approx(
-        abs(offset) - 0.029, abs=1e-9
-    )
-    assert not abstraction.eval(c, Atom("clear", ("cyan_box",)))
-    assert not abstraction.eval(c, Atom("on", ("red_box", "table")))
+    state = abstraction(c)
+    assert (Atom("on", ("red_box", "cyan_box")) in state) == carried
+    assert Atom("clear", ("cyan_box",)) not in state
+    assert Atom("on", ("red_box", "table")) not in state
 
 
 def test_the_outline_turns_with_the_lower_box(world: World, abstraction: SceneAbstraction) -> None:
     """0.035 m along the diagonal is inside the lower box's outline, along its side it is not."""
     for yaw, carried in ((0.0, False), (45.0, True)):
         c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035, yaw=yaw), "red_box": pose(0.435, 0.1, 0.129)})
-        assert abstraction.eval(c, Atom("on", ("red_box", "cyan_box"))) == carried
+        assert (Atom("on", ("red_box", "cyan_box")) in abstraction(c)) == carried
 
 
 @pytest.mark.parametrize(
@@ -79,8 +77,8 @@ def test_a_gap_above_the_tolerance_is_no_contact(
     world: World, abstraction: SceneAbstraction, gap: float, carried: bool
 ) -> None:
     c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4, 0.1, 0.129 + gap)})
-    assert abstraction.eval(c, Atom("on", ("red_box", "cyan_box"))) == carried
-    assert abstraction.eval(c, Atom("clear", ("cyan_box",))) != carried
+    assert (Atom("on", ("red_box", "cyan_box")) in abstraction(c)) == carried
+    assert (Atom("clear", ("cyan_box",)) in abstraction(c)) != carried
 
 
 @pytest.mark.parametrize(
@@ -101,7 +99,6 @@ def test_a_leaning_box_is_neither_on_nor_lying(world: World, abstraction: SceneA
     reach = 0.059 * math.sin(angle) + 0.025 * math.cos(angle)
     c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.371 - reach, 0.1, height, pitch=pitch)})
     assert atoms_about(abstraction(c), "red_box") == {"upright(red_box)", "clear(red_box)"}
-    assert abstraction.eval_detailed(c, Atom("on", ("red_box", "table")))["tilt"] == pytest.approx(angle)
 
 
 @pytest.mark.parametrize(("x", "below"), [(0.36, "left"), (0.44, "right"), (0.40, None)])
@@ -193,7 +190,7 @@ def test_h_says_what_stands_and_lies_where(
 def test_h_is_complete_and_agrees_with_eval(
     world: World, abstraction: SceneAbstraction, arrangement: tuple[dict[str, FloatArray], State], held: str | None
 ) -> None:
-    """Exactly the atoms that `symbolic.atoms` demands, each of them also when it is asked for alone."""
+    """Exactly the atoms that `symbolic.atoms` demands."""
     poses, _ = arrangement
     c = arrange(world, poses)
     if held is not None:
@@ -211,18 +208,6 @@ def test_h_is_complete_and_agrees_with_eval(
             assert Atom(where, (name, carried[name])) in state
         bare = name != held and name not in carried.values()
         assert (Atom("clear", (name,)) in state) == bare
-    for predicate, arity in {"on": 2, "lying": 2, "in-hand": 1, "clear": 1, "upright": 1, "tipped": 1}.items():
-        pairs = [(a, b) for a in NAMES for b in (*NAMES, "rack", "table") if a != b]
-        for args in pairs if arity == 2 else [(name,) for name in NAMES]:
-            assert abstraction.eval(c, Atom(predicate, args)) == (Atom(predicate, args) in state)
-    config = PredicateConfig()
-    for atom in state:
-        quantities = abstraction.eval_detailed(c, atom)
-        if atom.predicate in ("on", "lying"):
-            assert quantities["distance"] <= config.contact
-            assert quantities["slope"] <= config.slope
-            assert quantities["tilt"] <= config.tilt
-            assert quantities["overhang"] <= 0
 
 
 def _move_scene(spec: SceneSpec, x: float, y: float, yaw: float) -> SceneSpec:
@@ -312,5 +297,5 @@ def test_a_box_that_lies_where_the_goal_wants_it_does_not_reach_the_goal(
     for roll in (90.0, -90.0, 180.0):
         height = 0.025 if roll != 180.0 else 0.059
         c = arrange(world, {"red_box": pose(0.44, -0.33, RACK_TOP + height, roll=roll)})
-        assert not abstraction.eval(c, Atom("on", ("red_box", "rack")))
-        assert abstraction.eval(c, Atom("lying", ("red_box", "rack")))
+        assert Atom("on", ("red_box", "rack")) not in abstraction(c)
+        assert Atom("lying", ("red_box", "rack")) in abstraction(c)

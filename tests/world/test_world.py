@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
 from ictamp_drake.core.types import Configuration, GripperCommand
-from ictamp_drake.models.constants import ARM_LIMITS, GRIPPER_MAX_WIDTH, HOME
+from ictamp_drake.models.constants import ARM_LIMITS, HOME
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, pose, scene
@@ -32,7 +33,7 @@ configurations = st.builds(
     q=st.tuples(*(st.floats(limits.lower, limits.upper) for limits in ARM_LIMITS), *2 * [st.floats(0, 0.04)]),
     poses=st.fixed_dictionaries({name: _poses() for name in NAMES}),
     held=st.sampled_from([None, *NAMES]),
-    gripper=st.builds(GripperCommand, width=st.floats(0, GRIPPER_MAX_WIDTH), force=st.floats(0, 70)),
+    gripper=st.builds(GripperCommand, width=st.floats(0, MAX_OPENING), force=st.floats(0, 70)),
 )
 
 

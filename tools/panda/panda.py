@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from ictamp_drake.models import constants, contact
+from ictamp_drake.models import constants, contact, hand
 from ictamp_drake.models.constants import JointLimits
 from ictamp_drake.models.sdf_text import collision, document, element, inertial, mesh_visual, numbers, pose, visual
 from tools.panda import panda_collision, panda_visual
@@ -54,7 +54,7 @@ def _link(name: str, placement: str) -> str:
 
 def _finger(name: str, yaw: float) -> str:
     children = [
-        pose((0.0, 0.0, constants.FINGER_OFFSET), (0.0, 0.0, yaw), "panda_hand"),
+        pose((0.0, 0.0, hand.FINGER_OFFSET), (0.0, 0.0, yaw), "panda_hand"),
         inertial(constants.INERTIALS[name]),
         *(collision(shape, contact.BODY) for shape in panda_collision.FINGER),
         *(collision(shape, contact.PAD) for shape in (panda_collision.PAD, *panda_collision.PAD_CONTACTS)),
@@ -64,7 +64,7 @@ def _finger(name: str, yaw: float) -> str:
 
 
 def _finger_joint(name: str, child: str, mimic: str) -> str:
-    limit = _limit(0.0, constants.GRIPPER_MAX_WIDTH / 2, constants.MAX_FINGER_SPEED, constants.MAX_GRIP_FORCE)
+    limit = _limit(0.0, hand.MAX_OPENING / 2, constants.MAX_FINGER_SPEED, constants.MAX_GRIP_FORCE)
     axis = _axis((0, 1, 0), limit, constants.FINGER_DAMPING)
     children = ["<parent>panda_hand</parent>", f"<child>{child}</child>", axis, mimic]
     return element("joint", children, name=name, type="prismatic")
@@ -105,9 +105,9 @@ def _hand() -> list[str]:
     first, second = constants.FINGER_JOINTS
     mimic = element("drake:mimic", [], joint=first, multiplier="1", offset="0")
     return [
-        _link("panda_hand", pose((0.0, 0.0, 0.0), (0.0, 0.0, constants.HAND_ANGLE), "panda_link8")),
+        _link("panda_hand", pose((0.0, 0.0, 0.0), (0.0, 0.0, hand.HAND_ANGLE), "panda_link8")),
         element("joint", [fixed], name="panda_hand_joint", type="fixed"),
-        _frame("grasp", "panda_hand", constants.GRASP_OFFSET),
+        _frame("grasp", "panda_hand", hand.GRASP_OFFSET),
         _finger("panda_leftfinger", 0.0),
         _finger("panda_rightfinger", math.pi),
         _finger_joint(first, "panda_leftfinger", ""),

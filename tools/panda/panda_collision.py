@@ -5,8 +5,8 @@ Out of the hand they stand by less than 1 cm, out of the fingers by less than 5 
 
 import math
 
-from ictamp_drake.models.constants import PAD_CENTRE, PAD_HALF_HEIGHT, PAD_HALF_WIDTH, PAD_THICKNESS
 from ictamp_drake.models.contact import CONTACT_RADIUS, PAD_CONTACT_PROUD
+from ictamp_drake.models.hand import PAD_CENTER, PAD_HALF_HEIGHT, PAD_HALF_WIDTH, PAD_THICKNESS
 from ictamp_drake.models.sdf_text import Shape
 
 ALONG_Y = (math.pi / 2, 0.0, 0.0)
@@ -92,7 +92,7 @@ PAD = Shape(
     "pad",
     "box",
     (2 * PAD_HALF_WIDTH, PAD_THICKNESS, 2 * PAD_HALF_HEIGHT),
-    (0.0, PAD_THICKNESS / 2, PAD_CENTRE),
+    (0.0, PAD_THICKNESS / 2, PAD_CENTER),
 )
 PAD_CONTACTS = tuple(
     Shape(
@@ -102,7 +102,7 @@ PAD_CONTACTS = tuple(
         (
             x * (PAD_HALF_WIDTH - CONTACT_RADIUS),
             CONTACT_RADIUS - PAD_CONTACT_PROUD,
-            PAD_CENTRE + z * (PAD_HALF_HEIGHT - CONTACT_RADIUS),
+            PAD_CENTER + z * (PAD_HALF_HEIGHT - CONTACT_RADIUS),
         ),
     )
     for i, x in enumerate((-1.0, 1.0))

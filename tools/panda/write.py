@@ -1,25 +1,22 @@
-"""Write the model files of the package: `python -m tools.panda.write`."""
+"""Write the model files of the package: `python -m tools.panda.write`.
 
-from pathlib import Path
+Size, mass, friction and color of boxes and supports are those that their files have already. To change one, change it
+in the file's solid shape, its `mass`, its `mu_static` or its last visual, and run this: the rest follows.
+"""
 
 from ictamp_drake.models import shapes
-from ictamp_drake.models.contact import OBJECT
+from ictamp_drake.models.things import BOXES, FOLDER, read_thing
 from tools.panda.panda import panda_sdf
 from tools.panda.panda_visual import visual_files
 from tools.panda.self_collision import ignored_pairs
 
-FOLDER = Path(__file__).parents[2] / "ictamp_drake" / "models" / "sdf"
-
 
 def contents() -> dict[str, str]:
     """Text of every file in `sdf/` by its name."""
-    boxes = {
-        f"{name}.sdf": shapes.box_sdf(name, size, shapes.BOX_MASS, OBJECT.friction, shapes.BOX_COLORS[name])
-        for name, size in shapes.BOX_SIZES.items()
-    }
+    boxes = {f"{name}.sdf": shapes.box_sdf(name, *read_thing(name)) for name in BOXES}
     supports = {
-        "table.sdf": shapes.table_sdf("table", shapes.TABLE_SIZE),
-        "rack.sdf": shapes.rack_sdf("rack", shapes.RACK_SIZE),
+        "table.sdf": shapes.table_sdf("table", read_thing("table").size),
+        "rack.sdf": shapes.rack_sdf("rack", read_thing("rack").size),
     }
     return {"panda.sdf": panda_sdf(ignored_pairs()), **supports, **boxes, **visual_files()}
 
