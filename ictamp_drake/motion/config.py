@@ -184,5 +184,5 @@ class MotionConfig:
             push_samples=(3, 1e6),
         )
         for radius, points in self.corridors:
-            check_range("a radius of skills.motion.corridors", radius, 0, inf)
-            check_range("a number of points of skills.motion.corridors", points, LEAST_POINTS, 1000)
+            check_range("skills.motion.corridors", radius, 0, inf)
+            check_range("skills.motion.corridors", points, LEAST_POINTS, 1000)

@@ -183,5 +183,5 @@ def _flatten(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _option(key: str) -> str:
-    """How a value of the configuration is written on the command line."""
-    return "--" + key.removeprefix("options.").replace("_", "-") if key.startswith("options.") else key
+    """Name of a value of the configuration, of an option as on the command line."""
+    return key.removeprefix("options.").replace("_", "-") if key.startswith("options.") else key

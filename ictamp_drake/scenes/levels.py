@@ -94,7 +94,7 @@ def parse_selection(selection: str, count: int, option: str = "problems", of: st
     """
     match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
     if match is None or selection.strip() == "":
-        problem = "expected a number or a slice, e.g. 3, 0:5, 10: or :, got {value}"
+        problem = "expected a number or a slice, such as 3, 0:5 or 10:, got {value}"
         raise IctampError(Code.WRONG_TYPE, problem, field=option, value=selection)
     start, colon, stop = match.groups()
     chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)

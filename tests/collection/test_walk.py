@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.collection.walk import Sources, WalkConfig, walk
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.learning.dataset import AttemptRow
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.symbolic.domain import Domain
@@ -16,6 +16,7 @@ from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import write_untrained
+from tests.refusals import refusal
 
 SHORT = WalkConfig(states=5, draws=2)
 SCENE = 0
@@ -91,15 +92,15 @@ def test_trained_policies_are_compared_with_other_sources_attempt_by_attempt(tmp
 
 
 @pytest.mark.parametrize(
-    ("make", "sentence"),
+    ("make", "code", "field"),
     [
-        (lambda: Sources(policy=-1), "walk.sources.policy is -1, but must be between 0 and"),
-        (lambda: Sources(0, 0, 0), "the sum of walk.sources is 0, but must be between"),
-        (lambda: WalkConfig(draws=0), "walk.draws is 0, but must be between 1 and"),
-        (lambda: WalkConfig(sources=Sources(reference=1)), "walk.reference names no folder of checkpoints"),
-        (lambda: WalkConfig(sources=Sources(best=1), checkpoints=Path("/nowhere")).check(), "no such checkpoint"),
+        (lambda: Sources(policy=-1), Code.OUT_OF_RANGE, "walk.sources.policy"),
+        (lambda: Sources(0, 0, 0), Code.OUT_OF_RANGE, "walk.sources"),
+        (lambda: WalkConfig(draws=0), Code.OUT_OF_RANGE, "walk.draws"),
+        (lambda: WalkConfig(sources=Sources(reference=1)), Code.CONFLICT, "walk.reference"),
+        (lambda: WalkConfig(sources=Sources(best=1), checkpoints=Path("/nowhere")).check(), Code.NOT_FOUND, ""),
     ],
 )
-def test_mistakes_are_answered_with_a_sentence(make: Callable[[], object], sentence: str) -> None:
-    with pytest.raises(IctampError, match=sentence):
+def test_mistakes_are_refused(make: Callable[[], object], code: Code, field: str) -> None:
+    with refusal(code, field):
         make()

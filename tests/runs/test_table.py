@@ -1,10 +1,9 @@
 """What is said at the end of a run."""
 
-import pytest
 from rich.console import Console
 
 from ictamp_drake.runs.records import Record
-from ictamp_drake.runs.table import blocker, figures, format_results
+from ictamp_drake.runs.table import figures, format_results
 
 
 def record(problem: str, **values: object) -> Record:
@@ -23,34 +22,6 @@ def text(*records: Record) -> str:
         console.quiet = False
         console.print(format_results(records))
     return capture.get()
-
-
-@pytest.mark.parametrize(
-    ("action", "refusals", "line"),
-    [
-        (
-            "pick(red_box, rack)",
-            {"NO_INVERSE_KINEMATICS": 30},
-            "pick(red_box, rack): 30 of 30 grasps: no inverse-kinematics solution",
-        ),
-        (
-            "place(red_box, rack)",
-            {"NO_PATH": 7, "TOPPLED": 5},
-            "place(red_box, rack): 12 of 12 placements: 7 no collision-free path, 5 object toppled",
-        ),
-        ("push(red_box, rack)", {"SLIPPED": 1}, "push(red_box, rack): 1 of 1 parameters k: object slipped"),
-    ],
-)
-def test_a_blocked_action_says_what_refused_it(action: str, refusals: dict[str, int], line: str) -> None:
-    assert blocker(action, refusals, {}) == line
-
-
-def test_a_blocked_action_names_what_was_most_often_in_its_way() -> None:
-    line = blocker("pick(low, table)", {"GOAL_IN_COLLISION": 9}, {"far": 1, "tall": 5, "rack": 2, "table": 1})
-    assert (
-        line
-        == "pick(low, table): 9 of 9 grasps: grasp or placement in collision; in the way: tall (5), rack (2), far (1)"
-    )
 
 
 def test_figures_are_of_the_solved_problems() -> None:
