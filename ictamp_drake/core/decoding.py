@@ -30,10 +30,10 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
     values = {}
     for written, value in mapping(raw, where).items():
         name = written if written in fields else respell(written)
+        if name not in fields:
+            raise IctampError(Code.UNKNOWN_FIELD, "unknown field", field=join_fields(where, written), choices=fields)
         if name in values:
             raise IctampError(Code.REPEATED, f"expected either {name} or {written}", field=join_fields(where, name))
-        if name not in fields:
-            raise IctampError(Code.UNKNOWN_FIELD, "unknown field", field=join_fields(where, name), choices=fields)
         values[name] = _value(hints[name], value, join_fields(where, name))
     for name, is_required in fields.items():
         if is_required and name not in values:

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.spelling import spellings
 
 MAX_BYTES = 64 * 2**20
 """Largest file that is read [bytes]."""
@@ -183,7 +184,7 @@ def _find_node(node: yaml.Node | None, field: str) -> int | None:
     line = None
     for key in re.findall(r"[^.\[\]]+", field):
         if isinstance(node, yaml.MappingNode):
-            found = [(name, value) for name, value in node.value if name.value == key]
+            found = [(name, value) for name, value in node.value if name.value in spellings(key)]
         elif isinstance(node, yaml.SequenceNode) and key.isdigit():
             found = [(item, item) for item in node.value[int(key) : int(key) + 1]]
         else:

@@ -65,7 +65,7 @@ MISTAKES = {
     "no friction": ("friction: 0.6", "friction: 0", Code.OUT_OF_RANGE, "boxes.red_box.friction", 6),
     "not a number": ("friction: 0.6", "friction: .nan", Code.OUT_OF_RANGE, "boxes.red_box.friction", 6),
     "endless": (PLACE, "position: [.inf, 0, 0]", Code.OUT_OF_RANGE, "boxes.red_box.position", 6),
-    "color of 255": ("[0.8, 0.1, 0.1]", "[255, 0, 0]", Code.OUT_OF_RANGE, "boxes.red_box.colour", 6),
+    "color of 255": ("[0.8, 0.1, 0.1]", "[255, 0, 0]", Code.OUT_OF_RANGE, "boxes.red_box.color", 6),
     "too wide": (SIZE, "size: [0.09, 0.08, 0.05]", Code.TOO_WIDE, "boxes.red_box.size", 6),
     "one name twice": ("  red_box:", "  rack:", Code.REPEATED, "boxes.rack", 6),
     "names that differ in case": ("  red_box:", "  Rack:", Code.REPEATED, "boxes.Rack", 6),
