@@ -7,6 +7,7 @@ of U's axes. Place: over the receptacle's top face, and in height from 2 mm insi
 import math
 from typing import NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -25,11 +26,15 @@ GLIMPSES = 2
 _DISTANCE = 0.2
 """Scale of distances as seen from k [m]."""
 
-_GROUPS = [SCHEMA.group(name) for name in ("base", "target", "hand", "box", "support")]
-_BASE, _TARGET, _HAND, _BOX, _SUPPORT = _GROUPS
-_BASE_SCALE, _TARGET_SCALE, _HAND_SCALE, _BOX_SCALE, _SUPPORT_SCALE = (
-    float(SCHEMA.scales[group][0]) for group in _GROUPS
-)
+_SCALES = torch.from_numpy(SCHEMA.scales.astype(np.float32))
+_BASE, _TARGET, _HAND, _BOX, _SUPPORT = (SCHEMA.group(name) for name in ("base", "target", "hand", "box", "support"))
+_REACH = float(SCHEMA.scales[_BASE][0])
+"""Scale of distances from the arm's base [m]."""
+
+
+def scale_rows(matrix: Tensor) -> Tensor:
+    """Matrices in the scale that networks take them in, shape (..., D) -> (..., D)."""
+    return matrix / _SCALES
 
 
 def ranges(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
@@ -105,13 +110,13 @@ def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     p_K = _turn_about_z(hand.position, k[:, 3]) + k[:, :3]
     if skill == "place":
         p_K = p_K + sides(row) / 2 * p_K.new_tensor([0.0, 0.0, 1.0])  # from the receptacle's top to its middle
-    R_BK, p_BK = axes(row[:, _BASE]), row[:, _BASE][:, :3] * _BASE_SCALE
+    R_BK, p_BK = axes(row[:, _BASE]), row[:, _BASE][:, :3]
     p_B = p_BK + _times(R_BK, p_K)
     heading = _times(R_BK, _turn_about_z(hand.heading, k[:, 3]))
     distance = p_B[:, :2].norm(dim=-1, keepdim=True)
     x, y = (p_B[:, :2] / distance.clamp(min=0.05)).T
     direction = [x * heading[:, 0] + y * heading[:, 1], x * heading[:, 1] - y * heading[:, 0]]
-    return torch.cat([p_B / _BASE_SCALE, distance / _BASE_SCALE, torch.stack(direction, dim=-1)], dim=-1)
+    return torch.cat([p_B / _REACH, distance / _REACH, torch.stack(direction, dim=-1)], dim=-1)
 
 
 class _Hand(NamedTuple):
@@ -126,7 +131,7 @@ def _hand(skill: str, matrix: Tensor) -> _Hand:
     if skill == "pick":
         origin = torch.zeros_like(matrix[:, 0, :3])
         return _Hand(origin, origin + origin.new_tensor([1.0, 0.0, 0.0]))
-    R_GU, p_GU = axes(matrix[:, 1, _HAND]), matrix[:, 1, _HAND][:, :3] * _HAND_SCALE
+    R_GU, p_GU = axes(matrix[:, 1, _HAND]), matrix[:, 1, _HAND][:, :3]
     p_UG = -(R_GU * p_GU[..., None]).sum(dim=-2)
     bottom = sides(matrix[:, 1]) / 2 * p_UG.new_tensor([0.0, 0.0, 1.0])
     return _Hand(p_UG + bottom, R_GU[:, 0])
@@ -145,7 +150,7 @@ def _turn_about_z(vectors: Tensor, yaw: Tensor) -> Tensor:
 
 def sides(rows: Tensor) -> Tensor:
     """Sides of boxes and supports along U's axes [m], shape (..., D) -> (..., 3)."""
-    return rows[..., _BOX] * _BOX_SCALE + rows[..., _SUPPORT] * _SUPPORT_SCALE
+    return rows[..., _BOX] + rows[..., _SUPPORT]
 
 
 def axes(pose: Tensor) -> Tensor:
@@ -156,7 +161,7 @@ def axes(pose: Tensor) -> Tensor:
 
 def network_inputs(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
     """What a network is given that sees k too: rows, (n, 8, D + SEEN), and numbers of k itself, (n, FEATURES)."""
-    return torch.cat([matrix, objects_seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
+    return torch.cat([scale_rows(matrix), objects_seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
 
 
 def blind_network_inputs(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
@@ -169,7 +174,7 @@ def blind_network_inputs(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
     k = torch.cat([matrix.new_zeros(GLIMPSES, 3), yaw[:, None]], dim=-1).repeat(count, 1)
     several = matrix.repeat_interleave(GLIMPSES, 0)
     seen = objects_seen_from(skill, several, k).reshape(count, GLIMPSES, ROWS, SEEN).transpose(1, 2).flatten(2)
-    return torch.cat([matrix, seen], dim=-1), features(skill, several, k).reshape(count, -1)
+    return torch.cat([scale_rows(matrix), seen], dim=-1), features(skill, several, k).reshape(count, -1)
 
 
 def objects_seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
@@ -180,7 +185,7 @@ def objects_seen_from(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     """
     p, x, y = torch.split(matrix[..., _TARGET].movedim(-1, 0).contiguous(), 3)
     half = (sides(matrix) / 2).movedim(-1, 0).contiguous()
-    p_KO = k.T[:3, :, None] - p * _TARGET_SCALE
+    p_KO = k.T[:3, :, None] - p
     p_O = (torch.stack([x, y, torch.linalg.cross(x, y, dim=0)]) * p_KO).sum(dim=1)
     cos, sin = k[:, 3:].cos(), k[:, 3:].sin()
     along, across, up = torch.stack([-p_KO, x, y], dim=1)

@@ -4,6 +4,8 @@ Eight rows, a row an object, boxes and supports alike. Row 0 is the box to grasp
 2 what the box stands on (pick) or the receptacle (place), and rows 3 to 7 are the others, the nearest to the action's
 objects first; what does not fit is left out. Absent rows are zero and masked.
 
+Lengths are in metres. Networks divide each column by its scale, and nothing else does (`learning.parameters`).
+
 Nothing here depends on names, nor on where in the world the scene stands: all is relative to the arm's base frame B, to
 the target frame K that k is expressed in (U of the box to grasp, T of the receptacle) and to the hand's frame G.
 """
@@ -32,8 +34,8 @@ class Column:
 
     Attributes:
         name: e.g. target_x.
-        unit: of what was divided by `scale`.
-        scale: the value in the matrix times this is the quantity.
+        unit: Unit of the value.
+        scale: Value that networks take for 1.
     """
 
     name: str
@@ -86,7 +88,7 @@ class Schema:
 
     @property
     def scales(self) -> FloatArray:
-        """Scale of each column, shape (D,)."""
+        """Scale of each column, shape (D,): networks take the matrix divided by these."""
         return np.array([column.scale for column in self.columns])
 
     def as_dict(self) -> dict[str, Any]:
@@ -113,14 +115,13 @@ _BASE, _TARGET, _HAND = (SCHEMA.group(frame) for frame in ("base", "target", "ha
 _BOX, _SUPPORT = SCHEMA.group("box"), SCHEMA.group("support")
 _IS_SUPPORT, _IS_TIPPED = SCHEMA.index("is_support"), SCHEMA.index("is_tipped")
 _ROLE = [SCHEMA.index(f"is_{role}") for role in ROLES]
-_SCALES = SCHEMA.scales
 
 
 class Observation(NamedTuple):
     """Primitive state matrices.
 
     Attributes:
-        matrix: shape (..., 8, D).
+        matrix: shape (..., 8, D), in the units of `SCHEMA`.
         mask: True where a row holds an object, shape (..., 8).
     """
 
@@ -215,5 +216,5 @@ class Observer:
         values[np.arange(len(values)), np.take(_ROLE, np.minimum(row, 3))] = 1.0
         values[held, _HAND] = flat(inverse(situations.X_BG)[option[held]] @ X_BU[held])
         matrix = np.zeros((*mask.shape, SCHEMA.width), dtype=np.float32)
-        matrix[mask] = values / _SCALES
+        matrix[mask] = values
         return Observation(matrix, mask)

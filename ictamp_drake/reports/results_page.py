@@ -1,4 +1,4 @@
-"""The page of results: what was run, what it shows, and the tables and pictures behind it."""
+"""The page of results: the runs, what they show, and the tables and pictures behind it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -78,11 +78,11 @@ class Chapter:
     """A regime with its comparisons.
 
     Attributes:
-        regime: The runs.
-        reference: Strategy that all others are compared with.
-        comparisons: Each other strategy against the reference, level by level.
-        p: Their probabilities, corrected for the number of tests.
-        pictures: Links from the page, by what they show.
+        regime: Runs under equal conditions.
+        reference: Strategy with which all others are compared.
+        comparisons: Comparisons of all other strategies with the reference, strategy by strategy and level by level.
+        p: Probabilities of the comparisons, adjusted for the number of tests; only those with common runs are tested.
+        pictures: Paths of the pictures relative to the page, by what they show.
     """
 
     regime: Regime
@@ -93,7 +93,7 @@ class Chapter:
 
     @classmethod
     def create(cls, regime: Regime, reference: str, pictures: Mapping[str, str]) -> "Chapter":
-        """Compare every strategy of the regime with one of them."""
+        """Compare every strategy of the regime with the reference."""
         rivals = (name for name in regime.strategies if name != reference)
         comparisons = [each for name in rivals for each in compare_strategies(regime.runs, name, reference)]
         raised = iter(adjust_for_multiplicity([each.p for each in comparisons if each.pairs]))
@@ -101,17 +101,18 @@ class Chapter:
         return cls(regime, reference, comparisons, p, pictures)
 
     def picture(self, what: str) -> list[str]:
-        """Lines that show a picture; none if it was not drawn."""
+        """Lines that show a picture; none when it was not drawn."""
         return [_image(f"{what}, {self.regime.name}", self.pictures[what])] if what in self.pictures else []
 
 
 def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> str:
-    """The page in Markdown.
+    """Write the page in Markdown.
 
     Args:
-        chapters: One per regime.
+        chapters: Chapters of the page, one per regime.
         typed: Command that made the page.
-        files: Links from the page: figure_2, table_1.tex, table_1.csv and, if there are any, figure_1 and figure_3.
+        files: Paths relative to the page of figure_2, table_1.tex, table_1.csv and, if there are any, figure_1 and
+            figure_3.
     """
     about = TABLE_1.format(latex=files["table_1.tex"], csv=files["table_1.csv"])
     parts = [
@@ -136,7 +137,7 @@ def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> s
 
 
 def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[Chapter], Sequence[str]]) -> list[str]:
-    """A section with a part per regime; nothing if every part is empty."""
+    """Section with the lines of every regime below its name; empty when no regime has any."""
     found = {chapter.regime.name: of(chapter) for chapter in chapters}
     if not any(found.values()):
         return []
@@ -145,7 +146,7 @@ def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[C
 
 
 def _figure(title: str, text: str, what: str, link: str | None) -> list[str]:
-    """A section with one picture; nothing without a link."""
+    """Section of one picture; empty when there is none."""
     return [f"## {title}", "", *([text, ""] if text else []), _image(what, link), ""] if link else []
 
 
@@ -154,7 +155,7 @@ def _image(what: str, link: str) -> str:
 
 
 def _conditions_table(chapters: Sequence[Chapter]) -> list[str]:
-    """Table of how the runs were made, with a column per regime."""
+    """Table of the conditions of the runs, one column per regime."""
     what = dict.fromkeys(name for chapter in chapters for name in chapter.regime.about)
     rows = [[name, *(chapter.regime.about.get(name, "-") for chapter in chapters)] for name in what]
     return table(["regime", *(chapter.regime.name for chapter in chapters)], rows)

@@ -1,4 +1,4 @@
-"""Comparisons as a summary and as a table: which differences are shown, and which are not."""
+"""Summary and table of comparisons: which differences are significant and which are not."""
 
 import math
 from collections import defaultdict
@@ -13,7 +13,7 @@ SIGNIFICANT = 0.05
 NOT_SHOWN = "no difference shown"
 
 TIME, STEPS = ("faster", "slower"), ("fewer steps", "more steps")
-"""Words for less and more of each."""
+"""Words for less and for more of each."""
 
 TITLES: dict[frozenset[int] | None, str] = {
     frozenset({1}): "Better than `{}`",
@@ -22,7 +22,7 @@ TITLES: dict[frozenset[int] | None, str] = {
     frozenset(): "No difference from `{}` shown",
     None: "No runs in common with `{}`",
 }
-"""Titles of the groups, by the signs of what is shown (see `_signs`); None where there is nothing to compare."""
+"""Titles of groups of comparisons by the signs of their differences, see `_signs`; None for no runs to compare."""
 
 HEADINGS = (
     "level",
@@ -43,11 +43,11 @@ HEADINGS = (
 
 
 def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """Lines in Markdown: groups of strategies by what is shown of them, each with its levels.
+    """Summarize what is and is not significant, as lines in Markdown: groups of strategies, each with its levels.
 
     Args:
         comparisons: Comparisons with the same reference.
-        p: Their probabilities, from `comparison.adjust_for_multiplicity`.
+        p: Probabilities of the comparisons, adjusted by `comparison.adjust_for_multiplicity`.
     """
     groups = {signs: defaultdict[str, list[str]](list) for signs in TITLES}
     for each, adjusted in zip(comparisons, p, strict=True):
@@ -65,12 +65,12 @@ def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
 
 
 def rows(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """Lines of a table in Markdown with all figures behind the summary."""
+    """Format a table in Markdown with all figures behind the summary."""
     return table(*drop_empty_columns(HEADINGS, [_cells(*each) for each in zip(comparisons, p, strict=True)]), left=2)
 
 
 def verdict(interval: Interval | None, less: str, more: str) -> str:
-    """Verdict on a ratio by its interval."""
+    """Put into words what a ratio and its interval show."""
     if interval is None:
         return "no problem in common"
     if math.isnan(interval.low):
@@ -79,7 +79,7 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
 
 
 def _signs(comparison: Comparison, p: float) -> list[tuple[int, str]]:
-    """Every difference that is shown: 1 if the strategy is better, -1 if it is worse, and the figures."""
+    """Every significant difference: 1 where the strategy is better and -1 where it is worse, with the figures."""
     shown = []
     if p < SIGNIFICANT:
         sign = 1 if comparison.only[0] > comparison.only[1] else -1
@@ -113,12 +113,12 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
 
 
 def probability(p: float) -> str:
-    """Format a probability with two digits, or as a bound when it is very small."""
+    """Format a probability with two digits, or as an upper bound when it is very small."""
     return "< 0.0001" if p < 0.0001 else f"{p:.2g}"
 
 
 def format_ratio(interval: Interval | None) -> str:
-    """Format a ratio with its interval; "-" for None."""
+    """Format a ratio with its interval, or "-" for None."""
     if interval is None:
         return "-"
     bounds = "" if math.isnan(interval.low) else f" ({interval.low:.2f} to {interval.high:.2f})"

@@ -1,4 +1,4 @@
-"""Frames that skills and predicates speak of: U, a box as it lies, and T, the top face of what things are put on."""
+"""Frames of skills and predicates: U, a box as it lies, and T, the top face of a receptacle."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -12,13 +12,13 @@ from ictamp_drake.world.poses import to_transform
 
 @dataclass(frozen=True, eq=False)
 class Upright:
-    """A box as it lies.
+    """Frame and size of a box as it lies.
 
     Attributes:
-        X_WU: frame at the box's centre whose z axis is the box axis nearest to W's z, pointing up.
-        size: sides along U's axes, shape (3,) [m].
-        axis: which axis of O is U's z: 0, 1 or 2.
-        sign: 1 when that axis points up, -1 when it points down.
+        X_WU: Pose of U in W. U's origin is the box's center, and its z is the box axis nearest to W's z, pointing up.
+        size: Side lengths along U's axes, shape (3,) [m].
+        axis: Index of the axis of O that is U's z: 0, 1 or 2.
+        sign: Direction of that axis: 1 when it points up, -1 when it points down.
     """
 
     X_WU: RigidTransform
@@ -28,26 +28,26 @@ class Upright:
 
     @cached_property
     def X_WT(self) -> RigidTransform:
-        """Frame in the centre of the top face, parallel to U."""
+        """Frame in the center of the top face, parallel to U."""
         return self.X_WU @ RigidTransform([0.0, 0.0, self.size[2] / 2])
 
     @property
     def is_upright(self) -> bool:
-        """Whether the box stands on the face it was specified with, and not on another one."""
+        """Whether the box stands on the face that its specification puts at the bottom."""
         return self.axis == 2 and self.sign == 1
 
 
 def upright_frame(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> Upright:
-    """The box as it lies, from X_WO, shape (7,), and its sides along O's axes [m].
+    """Return the box as it lies, from X_WO, shape (7,), and its side lengths along O's axes [m].
 
-    U = O for a box that stands upright; otherwise U's x is the O axis that follows U's z cyclically.
+    U = O for a box that stands upright. Otherwise U's x is the axis of O that follows U's z cyclically.
     """
     return _upright_frame(pose.tobytes(), tuple(size))
 
 
 @lru_cache(maxsize=256)
 def _upright_frame(pose: bytes, size: tuple[float, ...]) -> Upright:
-    """Many questions about the same few boxes come one after the other."""
+    """Compute `upright_frame` with a cache, since callers ask about the same few boxes again and again."""
     X_WO = to_transform(np.frombuffer(pose))
     vertical = X_WO.rotation().matrix()[2]
     axis = int(np.argmax(np.abs(vertical)))

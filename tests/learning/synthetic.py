@@ -31,7 +31,7 @@ PROVENANCE = {"command": "python", "data": "none"}
 
 def succeeds(matrix: FloatArray, k: FloatArray) -> bool:
     """The rule: the grasp is near the middle of the box, and the box is not far to a side."""
-    half, y = matrix[0, SCHEMA.group("box")] * 0.1 / 2, matrix[0, SCHEMA.index("base_y")] * 0.7
+    half, y = matrix[0, SCHEMA.group("box")] / 2, matrix[0, SCHEMA.index("base_y")]
     return bool((abs(k[:2]) < 0.7 * half[:2]).all() and abs(y) < 0.3)
 
 
@@ -55,7 +55,7 @@ def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
         for draw in range(draws):
             action = Action("pick", (boxes[draw % len(boxes)], "table"))
             matrix = Observer(spec).observe(c, action).matrix
-            half = matrix[0, SCHEMA.group("box")] * 0.1 / 2
+            half = matrix[0, SCHEMA.group("box")] / 2
             k = np.append(rng.uniform(-half, half), rng.uniform(-np.pi, np.pi))
             failure = None if succeeds(matrix, k) else Failure.NOT_GRASPED
             after = lift_centered(c, action.args[0], spec.boxes[action.args[0]].size, k)
@@ -88,7 +88,7 @@ def matrices(count: int = 6, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]
     sides = matrix[:, :, SCHEMA.group("box")]
     sides.copy_(sides.abs() + 0.1)
     matrix[:, :, SCHEMA.group("support")] = 0.0
-    return matrix * mask[..., None], mask
+    return matrix * torch.from_numpy(SCHEMA.scales.astype(np.float32)) * mask[..., None], mask
 
 
 def displace(skill: str, count: int, seed: int) -> Batch:
@@ -96,7 +96,7 @@ def displace(skill: str, count: int, seed: int) -> Batch:
     matrix, mask = matrices(count, seed)
     k = torch.randn((count, 4), generator=torch.Generator().manual_seed(seed)) * torch.tensor([0.05, 0.05, 0.05, 2.0])
     target = matrix[:, 0 if skill == "pick" else 2]
-    turn = 0.1 * target[:, SCHEMA.index("box_x")]
+    turn = target[:, SCHEMA.index("box_x")]
     zero = torch.zeros(count)
     residual = torch.stack([-0.008 * k[:, 3].sin(), 0.008 * k[:, 3].cos(), zero, turn], dim=-1)
     return Batch(matrix, mask, k, torch.ones(count), nominal(skill, matrix, k) + residual, torch.ones(count, 1))

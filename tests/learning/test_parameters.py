@@ -49,7 +49,7 @@ def test_k_comes_back_from_its_normalized_form(skill: str, seed: int) -> None:
 
 def test_a_grasp_at_a_boxs_corner_is_at_one() -> None:
     matrix = matrix_of("pick", "table")
-    sides = matrix[0, 0, SCHEMA.group("box")] * 0.1
+    sides = matrix[0, 0, SCHEMA.group("box")]
     corner = torch.cat([sides / 2, torch.zeros(1)])[None]
     torch.testing.assert_close(normalize_parameter("pick", matrix, corner), torch.tensor([[1.0, 1.0, 1.0, 0.0]]))
 
@@ -57,7 +57,7 @@ def test_a_grasp_at_a_boxs_corner_is_at_one() -> None:
 @pytest.mark.parametrize("place", [SUPPORT, max(SPEC.boxes)])
 def test_a_placement_at_the_top_faces_corner_is_at_one(place: str) -> None:
     matrix = matrix_of("place", place)
-    size = SPEC.supports[place].size if place in SPEC.supports else matrix[0, 2, SCHEMA.group("box")].numpy() * 0.1
+    size = SPEC.supports[place].size if place in SPEC.supports else matrix[0, 2, SCHEMA.group("box")].numpy()
     u = normalize_parameter("place", matrix, torch.tensor([[size[0] / 2, -size[1] / 2, 0.022, 1.0]]))
     torch.testing.assert_close(u, torch.tensor([[1.0, -1.0, 1.0, 1.0]]))
 
@@ -83,11 +83,11 @@ def test_objects_are_seen_from_k_as_frames_say() -> None:
     assert seen.shape == (1, ROWS, SEEN)
     target = matrix[0, :, SCHEMA.group("target")].numpy()
     for row in np.flatnonzero(matrix[0].abs().sum(dim=-1).numpy()):
-        found, p_KO = seen[0, row].numpy(), target[row, :3] * 0.3
+        found, p_KO = seen[0, row].numpy(), target[row, :3]
         np.testing.assert_allclose(found[:3] * 0.2, R_KQ.T @ (p_KO - k[0, :3].numpy()), atol=1e-6)
         for axis in (slice(3, 6), slice(6, 9)):
             np.testing.assert_allclose(found[axis], R_KQ.T @ target[row, axis], atol=1e-6)
-        sides = (matrix[0, row, SCHEMA.group("box")] * 0.1 + matrix[0, row, SCHEMA.group("support")]).numpy()
+        sides = (matrix[0, row, SCHEMA.group("box")] + matrix[0, row, SCHEMA.group("support")]).numpy()
         p_OQ = rotation(target[row]).T @ (k[0, :3].numpy() - p_KO)
         np.testing.assert_allclose(np.sinh(2 * found[9:12]) * 0.01, np.abs(p_OQ) - sides / 2, atol=1e-4)
 
@@ -116,7 +116,7 @@ def test_the_base_sees_the_hand_where_the_motion_takes_it(skill: str) -> None:
 
 def test_distances_to_the_faces_are_told() -> None:
     matrix = matrix_of("pick", "table")
-    half = matrix[0, 0, SCHEMA.group("box")].numpy() * 0.05
+    half = matrix[0, 0, SCHEMA.group("box")].numpy() / 2
     k = torch.tensor([[0.003, -0.004, 0.005, 0.0]])
     found = np.sinh(2 * features("pick", matrix, k)[0, 3:12].numpy())
     np.testing.assert_allclose(found[:3] * 0.001, k[0, :3], atol=1e-5)
@@ -142,7 +142,7 @@ def test_glimpses_are_views_from_the_middle_of_the_target(skill: str) -> None:
     rows, extra = blind_network_inputs(skill, matrix)
     assert rows.shape == (3, ROWS, SCHEMA.width + GLIMPSES * SEEN)
     assert extra.shape == (3, GLIMPSES * FEATURES)
-    torch.testing.assert_close(rows[..., : SCHEMA.width], matrix)
+    torch.testing.assert_close(rows[..., : SCHEMA.width], matrix / torch.tensor(SCHEMA.scales, dtype=torch.float32))
     for number, yaw in enumerate((0.0, math.pi / 2)):
         k = torch.tensor([0.0, 0.0, 0.0, yaw]).expand(3, 4)
         seen = rows[..., SCHEMA.width :][..., number * SEEN :][..., :SEEN]
