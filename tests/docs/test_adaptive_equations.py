@@ -16,7 +16,7 @@ import pytest
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import Action, Attempt, Obstruction, Skeleton
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.adaptive import Adaptive, AdaptiveConfig
 from ictamp_drake.planning.beliefs import Beliefs
 from ictamp_drake.planning.planner import Budget, PlannerConfig
@@ -355,7 +355,7 @@ def test_they_choose_every_step_where_boxes_are_in_the_way(lot: ParkingLot, pati
         s=lot.problem.initial,
         generator=BreadthFirst().create(GeneratorContext(lot.problem.domain, lot.problem.initial, lot.problem.goal)),
         skills=lot,
-        estimator=ConstantConfig().create(),
+        estimator=Constant(1.0),
         verify=lambda _: True,
         rng=np.random.default_rng(0),
         clock=TickingClock(),
