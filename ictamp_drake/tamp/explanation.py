@@ -32,14 +32,15 @@ class Blocked:
 
     @property
     def advice(self) -> str:
-        """What would help against the most frequent cause."""
-        return max(self.refusals, key=lambda cause: self.refusals[cause]).advice
+        """What would help against the most frequent cause; empty if nothing was refused."""
+        worst = max(self.refusals, key=lambda cause: self.refusals[cause], default=None)
+        return "" if worst is None else worst.advice
 
     def __str__(self) -> str:
-        """E.g. "pick(red_box, rack): 30 of 30 grasps: grasp or placement in collision; in the way: blue_box (30)"."""
+        """E.g. "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameters k")
-        line = f"{self.action}: {total} of {total} {what}: {list_causes(self.refusals)}"
+        line = f"{self.action}: {total} of {total} {what} refused: {list_causes(self.refusals)}"
         worst = ", ".join(f"{name} ({count})" for name, count in Counter(self.obstacles).most_common(SHOWN))
         return f"{line}; in the way: {worst}" if worst else line
 
@@ -90,19 +91,24 @@ class Explanation:
         members = StopReason.__members__
         return str(members[self.stop_reason]) if self.stop_reason in members else self.stop_reason
 
+    @property
+    def is_generator_slow(self) -> bool:
+        """True when much of the time went to finding high-level plans."""
+        return self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s
+
     def lines(self) -> Iterator[str]:
         """What stood in the way, a sentence each, and what would help."""
         if self.verified is False:
-            yield "a plan was carried out to the goal, but failed when it was executed once more"
+            yield "a plan reached the goal, but failed when it was executed again"
         for blocked in self.blocked[:SHOWN]:
-            yield f"{blocked}; {blocked.advice}"
-        if self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s:
+            yield "; ".join(filter(None, [str(blocked), blocked.advice]))
+        if self.is_generator_slow:
             took = f"{self.generating_time_s:.0f} of {self.planning_time_s:.0f} s went to finding high-level plans"
             yield f"{took}; --generator best-first finds the first one sooner"
         if not self.plans:
             yield "no high-level plan was found"
         elif not self.blocked:
-            failed = f"of {self.steps} steps {sum(self.failures.values())} failed"
+            failed = f"{sum(self.failures.values())} of {self.steps} steps failed"
             causes = f": {list_causes(self.failures)}" if self.failures else ""
             yield f"every action that was tried succeeded at least once; {failed}{causes}"
 
