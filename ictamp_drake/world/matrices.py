@@ -1,4 +1,8 @@
-"""Many poses at once, as homogeneous matrices: the arithmetic of the primitive state matrix, without Drake."""
+"""Many poses at once, as homogeneous matrices without Drake: boxes as they lie, and what k means.
+
+The meaning of k is stated here: `grasps` and `level`. What `skills.geometry` gives in Drake's types is made of these;
+`learning.parameters` and `learning.dynamics` have it in torch, and tests hold them to it.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +32,10 @@ def inverse(X: FloatArray) -> FloatArray:
 
 
 def level(parameter: FloatArray) -> FloatArray:
-    """Homogeneous matrices of frames turned about z alone, (x, y, z, yaw) of shape (n, 4) [m, rad] -> (n, 4, 4)."""
+    """Homogeneous matrices of frames turned about z alone, (x, y, z, yaw) of shape (n, 4) [m, rad] -> (n, 4, 4).
+
+    Of the k of placements they are X_TB: the held box's bottom frame B in the receptacle's frame T.
+    """
     X = np.zeros((len(parameter), 4, 4))
     c, s = np.cos(parameter[:, 3]), np.sin(parameter[:, 3])
     X[:, 0, 0], X[:, 0, 1], X[:, 1, 0], X[:, 1, 1] = c, -s, s, c
@@ -43,10 +50,12 @@ def grasps(k: FloatArray) -> FloatArray:
 
 
 def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """X_WU, the sides along U's axes, and which boxes stand upright: `frames.upright_frame` for many boxes at once.
+    """X_WU, the sides along U's axes, and which boxes stand upright.
+
+    U is in the box's centre, its z is the axis of O nearest to W's z, pointing up, and its x the axis of O after that.
 
     Args:
-        X_WO: shape (n, m, 4, 4).
+        X_WO: shape (..., m, 4, 4).
         sizes: of the m boxes, shape (m, 3) [m].
     """
     axis = np.argmax(np.abs(X_WO[..., 2, :3]), axis=-1)
