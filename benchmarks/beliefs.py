@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import betabinom
 
 from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SKILLS
@@ -30,7 +31,7 @@ def count_successes(skill: str) -> tuple[FloatArray, FloatArray]:
     cases = [case for case in read_cases(DATA, skill, DRAWS, "policy") if case.scene % EVERY == 0]
     P, successes = list[float](), list[int]()
     for group in group_by_scene(cases):
-        estimator = PScoreConfig().create(World(scene(group[0].spec)))
+        estimator = PScoreConfig().create(EstimatorContext(World(scene(group[0].spec))))
         options = [(case.c, Skeleton((frozenset(), frozenset()), (case.action,))) for case in group]
         P += estimator.estimate(options).tolist()
         successes += [int(case.outcomes.sum()) for case in group]

@@ -13,6 +13,7 @@ from statistics import median
 from ictamp_drake.experiments.strategies import methods
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.scenes.levels import problem_files
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.task import load
 
 RESULTS = Path(__file__).parent / "results"
@@ -39,7 +40,7 @@ def of_expansion(level: str) -> float:
     """Computing time of an expansion, of those until the first plan [s]."""
     ((method,),) = methods("default", ["p-score"], [0]).values()
     task = load(problem_files(level)[0], method)
-    generator = method.parts.generator.create(task.domain, task.abstraction(task.c), task.goal)
+    generator = method.generator_config.create(GeneratorContext(task.domain, task.abstraction(task.c), task.goal))
     start = time.perf_counter()
     generator.next_plan(100_000)
     return (time.perf_counter() - start) / generator.expanded

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ictamp_drake.core.types import Configuration, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.scenes.levels import problem_files
@@ -53,7 +54,7 @@ def main() -> None:
     for name, config in ESTIMATORS.items():
         samples = []
         for world in worlds:
-            estimator, asked = config.create(world), options(world)
+            estimator, asked = config.create(EstimatorContext(world)), options(world)
             estimator.estimate(asked)
             for _ in range(CALLS // len(worlds)):
                 start = time.process_time()

@@ -19,7 +19,7 @@ from ictamp_drake.reports import markdown
 from ictamp_drake.runs.folder import RESULTS
 from ictamp_drake.runs.records import read_records
 from ictamp_drake.tamp.plan import read_plan
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 
 OUT = Path(__file__).with_suffix(".md")
 TIME_STEP = 0.001

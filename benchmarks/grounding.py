@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, LYING, ON, TIPPED, UPRIGHT
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from ictamp_drake.tamp.method import SCENE_METHOD
@@ -54,10 +55,10 @@ def report(name: str, towers: list[tuple[str, ...]], wanted: list[tuple[str, ...
     start, goal = initial(towers, tipped), atoms_of_towers(wanted, tipped)
     seconds, domain = time_call(lambda: Domain.create(boxes, SUPPORTS, start))
     row = f"{name:24} {len(domain.actions):8} {seconds:10.3f}"
-    for config in (SCENE_METHOD.parts.generator, BreadthFirst()):
+    for config in (SCENE_METHOD.generator_config, BreadthFirst()):
 
         def first_plan() -> tuple[int, int]:
-            stream = config.create(domain, start, goal)  # noqa: B023  (called at once)
+            stream = config.create(GeneratorContext(domain, start, goal))  # noqa: B023  (called at once)
             plan = stream.next_plan(1_000_000)
             return (0 if plan is None else len(plan)), stream.expanded
 

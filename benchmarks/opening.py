@@ -16,10 +16,11 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, ON, UPRIGHT
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
 
@@ -90,9 +91,9 @@ def solve(size: int, number: int, barred: float, config: BreadthFirst | BestFirs
     planner = PlannerConfig(Budget(seconds=1e6, steps=STEPS), rule=ProportionalConfig(W=W)).create(
         c=Configuration(state, 0),
         s=state,
-        generator=config.create(Domain.create(boxes, SUPPORTS, state), state, goal),
+        generator=config.create(GeneratorContext(Domain.create(boxes, SUPPORTS, state), state, goal)),
         skills=Skills((size, number), goal, barred),
-        estimator=ConstantConfig(0.9).create(),
+        estimator=Constant(0.9),
         verify=lambda _: True,
         rng=generator(Stream.EVALUATION, number),
     )

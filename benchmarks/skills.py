@@ -29,9 +29,8 @@ from ictamp_drake.learning.dataset import action, configuration, open_table, sce
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.reports import markdown
 from ictamp_drake.runs.provenance import provenance
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
-from ictamp_drake.skills.policy import PolicyConfig
-from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.skills.config import OptimizationConfig, PolicyConfig, UniformConfig
+from ictamp_drake.skills.context import SamplerContext
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
@@ -139,7 +138,7 @@ def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]
     if options.reference:
         learned["reference"] = PolicyConfig(options.reference, 1)
     configs = {"uniform": UniformConfig(), "optimisation": OptimizationConfig(), **learned}
-    return {name: config.create(world, arm) for name, config in configs.items()}
+    return {name: config.create(SamplerContext(world, arm)) for name, config in configs.items()}
 
 
 def main() -> None:

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 
 PROGRAMS = {
     "plan": ("ictamp_drake.plan", "plan in a scene of your own"),
-    "replay": ("ictamp_drake.replay", "execute a plan file once more and show it"),
+    "replay": ("ictamp_drake.replay", "execute a plan file again and show it"),
     "packing": ("ictamp_drake.experiments.packing", "solve the packing problems of the paper"),
     "compare": ("ictamp_drake.experiments.runner", "run several strategies on the same problems"),
-    "report": ("ictamp_drake.experiments.report", "tables, figures and the page of results of such runs"),
+    "report": ("ictamp_drake.experiments.report", "write tables, figures and a page of results of such runs"),
     "collect": ("ictamp_drake.experiments.collect", "collect attempts to learn from"),
     "train-skill": ("ictamp_drake.experiments.train_skill", "train policies and critics"),
     "train-dynamics": ("ictamp_drake.experiments.train_dynamics", "train the dynamics of skills"),
     "train-estimator": ("ictamp_drake.experiments.train_estimator", "train P"),
-    "accuracy": ("ictamp_drake.experiments.estimator_accuracy", "hold estimates against counted success"),
+    "accuracy": ("ictamp_drake.experiments.estimator_accuracy", "compare estimates with the counted success rate"),
 }
-"""Module and purpose of each program; `python -m MODULE` is the same."""
+"""Module and purpose of each program. `python -m MODULE` runs the same program."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def usage() -> str:
-    """Text of the help."""
+    """Return the help text."""
     width = max(map(len, PROGRAMS))
     lines = (f"  {name:<{width}}  {purpose}" for name, (_, purpose) in PROGRAMS.items())
     return "\n".join(["usage: ictamp COMMAND [OPTIONS]", "", *lines, "", "ictamp COMMAND --help lists its options."])

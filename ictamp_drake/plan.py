@@ -1,4 +1,4 @@
-"""Plan in a scene of one's own: `python -m ictamp_drake.plan SCENE.yaml`."""
+"""Plan in your own scene: `python -m ictamp_drake.plan SCENE.yaml`."""
 
 import sys
 from dataclasses import dataclass
@@ -7,25 +7,25 @@ from typing import Annotated
 
 import tyro
 
+import ictamp_drake as ict
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.spec import to_dict
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
-from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
 class PlanOptions:
-    """Plan in the scene of a file until its goal is reached, execute and record the plan.
+    """Plan in the scene of a file until its goal is reached, then execute and record the plan.
 
-    High-level plans come from best-first search by default, and W is chosen with it; with --generator breadth-first,
-    --planners.completion-tree.W 30 is the value to take.
+    By default best-first search generates the high-level plans, and W is chosen for it. With --generator breadth-first,
+    use --planners.completion-tree.W 30.
 
     Attributes:
         scene: YAML file of the scene.
-        conduct: how the run is carried out.
-        method: how the problem is solved.
+        conduct: Options of the run.
+        method: Method that solves the problem.
     """
 
     scene: tyro.conf.Positional[Path]
@@ -34,12 +34,12 @@ class PlanOptions:
 
 
 def work(options: PlanOptions) -> Work:
-    """The one problem.
+    """Return the problem of the scene as the work of a run.
 
     Raises:
-        IctampError: what is wrong with the scene; nothing has been written then.
+        IctampError: The scene is invalid. Nothing has been written at that point.
     """
-    task = load(options.scene, options.method)
+    task = ict.load(options.scene, options.method)
     name = options.scene.stem
     about = {"program": "plan", "scene": to_dict(task.spec), "options": options.method.decisive}
     job = Job(Problem(name, task.spec), options.method, task=task)

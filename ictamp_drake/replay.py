@@ -1,4 +1,4 @@
-"""Execute a plan file once more: `python -m ictamp_drake.replay PLAN.yaml`."""
+"""Execute a plan file again: `python -m ictamp_drake.replay PLAN.yaml`."""
 
 import sys
 from dataclasses import dataclass, replace
@@ -9,20 +9,20 @@ from rich.console import Console
 
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.tamp.plan import Plan
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 
 NAME = "ictamp_drake.replay"
 
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """Execute a plan in a fresh simulator, say whether it reaches its goal, and show it.
+    """Execute a plan in a fresh simulator, report whether it reaches its goal, and write a page that shows it.
 
     Attributes:
         plan: File of the plan, plan.yaml of a run.
-        out: Page to write, replay.html beside the plan by default.
+        out: File of the page. By default replay.html beside the plan.
         show: Open the page in a browser.
-        physics: Constants of the simulation.
+        physics: Settings of the simulation.
     """
 
     plan: tyro.conf.Positional[Path]
@@ -32,7 +32,7 @@ class ReplayOptions:
 
 
 def act(options: ReplayOptions, console: Console) -> int:
-    """Execute the plan and write its page; returns the exit code.
+    """Execute the plan, write its page, and return the exit code.
 
     Raises:
         IctampError: The file is not a plan, or the page cannot be written.

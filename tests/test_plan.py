@@ -18,11 +18,12 @@ from ictamp_drake.runs import program
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.scenes.spec import load_scene
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.method import SCENE_METHOD
 from ictamp_drake.tamp.plan import read_plan, write_plan
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 from tests.runs.programs import SCENE, run, timeless
 
 LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed plays no part
@@ -213,7 +214,7 @@ def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
     method = PlanOptions(CROWD).method
     task = load(CROWD, method)
     assert len(task.domain.boxes) == 21
-    stream = method.parts.generator.create(task.domain, task.abstraction(task.c), task.goal)
+    stream = method.generator_config.create(GeneratorContext(task.domain, task.abstraction(task.c), task.goal))
     plan = stream.next_plan(method.max_expansions)
     assert plan is not None
     assert len(plan) == 10

@@ -17,7 +17,7 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Estimator, PlanParameters
 from ictamp_drake.core.types import Action, Atom, Attempt, FloatArray, Obstruction, Parameter, Skeleton, State
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.events import Listener
@@ -223,7 +223,7 @@ def toy_planner(
         s=abstraction(world.start),
         generator=ToyGenerator(world),
         skills=world,
-        estimator=estimator or ConstantConfig().create(),
+        estimator=estimator or Constant(1.0),
         verify=verify,
         rng=np.random.default_rng(seed),
         execute=execute,

@@ -1,17 +1,16 @@
 """An estimator of one's own: `python docs/examples/own_estimator.py`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
-from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
@@ -24,8 +23,8 @@ class RoomConfig:
 
     room: float = 0.1
 
-    def create(self, world: World, skills: SkillRunner[Configuration]) -> "Room":
-        """The estimator for one search; `skills` are for estimators that try, such as Monte Carlo."""
+    def create(self, _: EstimatorContext) -> "Room":
+        """The estimator for one search; its context is for those that ask for the scene or run skills."""
         return Room(self.room)
 
 
@@ -52,7 +51,7 @@ class Room:
 def main() -> None:
     method = Method(sampler="optimisation", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    result = solve(task, method, parts=replace(method.parts, estimator=RoomConfig())).result
+    result = solve(task, method, estimator=RoomConfig()).result
     assert result.solved, result.stop_reason
 
     tree = result.tree

@@ -1,12 +1,12 @@
 """A selection rule of one's own: `python docs/examples/own_rule.py`."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Tree
@@ -25,8 +25,8 @@ class PatientConfig:
 
     patience: int = 5
 
-    def create(self, estimator: Estimator[C]) -> "Patient[C]":
-        """The rule for one search; `estimator` is for rules that ask for P."""
+    def create(self, _: RuleContext[C]) -> "Patient[C]":
+        """The rule for one search; its context has the estimator, for rules that ask for P."""
         return Patient(self.patience)
 
 
@@ -36,7 +36,7 @@ class Patient(Generic[C]):
 
     patience: int
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
         """The next computational action."""
         failures = sum(step.child is None for step in tree.steps)
         runs = tree.runs
@@ -48,7 +48,7 @@ class Patient(Generic[C]):
 def main() -> None:
     method = Method(sampler="optimisation", estimator="constant", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    result = solve(task, method, parts=replace(method.parts, rule=PatientConfig(patience=2))).result
+    result = solve(task, method, planner=PatientConfig(patience=2)).result
 
     assert result.solved, result.stop_reason
     print(result.tree.summary())

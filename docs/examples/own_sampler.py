@@ -1,13 +1,13 @@
 """A sampler of one's own: `python docs/examples/own_sampler.py`."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
-from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.context import SamplerContext
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
@@ -21,9 +21,9 @@ SPREAD = 0.03  # standard deviation of placements [m]
 class CentralConfig:
     """Nothing to choose."""
 
-    def create(self, world: World, arm: ArmKinematics) -> "Central":
-        """The sampler for one scene; `arm` is for samplers that ask what is within reach."""
-        return Central(world)
+    def create(self, context: SamplerContext) -> "Central":
+        """The sampler for one scene; `context.arm` says what is within reach."""
+        return Central(context.world)
 
 
 class Central:
@@ -47,7 +47,7 @@ class Central:
 def main() -> None:
     method = Method(estimator="constant", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    solution = solve(task, method, parts=replace(method.parts, sampler=CentralConfig()))
+    solution = solve(task, method, sampler=CentralConfig())
 
     assert solution.result.plan is not None, solution.result.stop_reason
     for attempt in solution.result.plan:

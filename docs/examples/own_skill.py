@@ -1,6 +1,6 @@
 """A skill of one's own, another way to carry out an action: `python docs/examples/own_skill.py`."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -8,12 +8,13 @@ import numpy as np
 from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.skills.base import imagine
+from ictamp_drake.skills.config import PickConfig, SkillsConfig
+from ictamp_drake.skills.context import SkillContext
 from ictamp_drake.skills.geometry import raise_pose
-from ictamp_drake.skills.pick import Pick, PickConfig
+from ictamp_drake.skills.pick import Pick
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
-from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
@@ -28,9 +29,9 @@ class ProvenPickConfig:
     pick: PickConfig = PickConfig()
     rise: float = 0.03
 
-    def create(self, world: World, planner: MotionPlanner) -> "ProvenPick":
+    def create(self, context: SkillContext) -> "ProvenPick":
         """The skill in one scene."""
-        return ProvenPick(self.pick.create(world, planner), planner, self.rise)
+        return ProvenPick(self.pick.create(context), context.planner, self.rise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +65,7 @@ class ProvenPick:
 def main() -> None:
     method = Method(sampler="optimisation", estimator="constant", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    result = solve(task, method, parts=replace(method.parts, skills={"pick": ProvenPickConfig()})).result
+    result = solve(task, method, skills=SkillsConfig(pick=ProvenPickConfig())).result
 
     assert result.plan is not None, result.stop_reason
     for attempt in result.plan:

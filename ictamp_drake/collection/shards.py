@@ -1,4 +1,4 @@
-"""The files of a collection: a part for each scene as soon as it is over, joined in blocks of scenes."""
+"""Files of a collection: one part for each finished scene, joined in blocks of scenes."""
 
 import re
 from collections import Counter, defaultdict
@@ -9,38 +9,38 @@ from typing import Any
 from ictamp_drake.learning.dataset import STAGES, AttemptRow, merge, open_table, write
 
 BLOCK = 100
-"""Scenes whose rows share a file."""
+"""Number of scenes whose rows share a file."""
 
 
 class Shards:
-    """The files in a folder, whatever was interrupted."""
+    """Files of a collection in a folder, which survive an interruption at any moment."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._parts = folder / "parts"
 
     def add(self, scene: int, rows: Sequence[AttemptRow]) -> None:
-        """Write the part of a scene, which is done with it."""
+        """Write the part of a scene, which completes the scene."""
         self._parts.mkdir(parents=True, exist_ok=True)
         write(rows, self._part(scene))
         self._note(scene).unlink(missing_ok=True)
 
     def begin(self, scene: int, attempt: int) -> None:
-        """Note which attempt of a scene is being made, for the case that the process does not survive it."""
+        """Record which attempt of a scene begins, in case the process does not survive it."""
         self._parts.mkdir(parents=True, exist_ok=True)
         self._note(scene).write_text(str(attempt))
 
     def read_begun(self, scene: int) -> int | None:
-        """The attempt of a scene that was noted last."""
+        """Number of the attempt of a scene that began last, or None when none is recorded."""
         text = self._note(scene).read_text() if self._note(scene).exists() else ""
         return int(text) if text else None
 
     def list_done(self) -> set[int]:
-        """Scenes that are over."""
+        """Numbers of the finished scenes."""
         return {scene for first, last in self._blocks() for scene in range(first, last + 1)} | self._list_loose()
 
     def join(self, scenes: Sequence[int]) -> None:
-        """Join in blocks what is loose of these scenes, as far as all scenes of a block are over."""
+        """Join the loose parts of these scenes in blocks, wherever all scenes of a block are finished."""
         joined = {scene for first, last in self._blocks() for scene in range(first, last + 1)}
         for scene in joined & self._list_loose():  # interrupted after its block was written
             self._part(scene).unlink()
@@ -70,10 +70,10 @@ class Shards:
 
 
 def summary(folder: Path) -> dict[str, Any]:
-    """What a folder of joined attempts holds, in the types of JSON.
+    """Summarize a folder of joined attempts, in JSON types.
 
     Raises:
-        IctampError: there are no recorded attempts in the folder.
+        IctampError: There are no recorded attempts in the folder.
     """
     stages = [f"{stage}_ms" for stage in STAGES]
     rows = (

@@ -1,4 +1,4 @@
-"""Random walks through the states that planning meets, and what became of the attempts on the way."""
+"""Random walks through the states that planning meets, which record the attempts on the way."""
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import asdict, dataclass, replace
@@ -18,31 +18,30 @@ from ictamp_drake.learning.dataset import AttemptRow, scene_text
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.scenes.training import training_scene
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
+from ictamp_drake.skills.config import OptimizationConfig, PolicyConfig, SkillsConfig, UniformConfig
+from ictamp_drake.skills.context import SamplerContext
 from ictamp_drake.skills.perturbed import PerturbedConfig, PerturbedSampler
-from ictamp_drake.skills.policy import PolicyConfig
-from ictamp_drake.skills.runner import SkillsConfig
-from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
+from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
-from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
 from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
 class Sources:
-    """Weights of the sources of k; an attempt's is drawn in proportion to them.
+    """Weights of the sources of k; each attempt draws its source in proportion to them.
 
     Attributes:
-        optimisation: the optimisation-based sampler.
-        perturbed: the same with noise.
-        uniform: anywhere on the target.
-        policy: a plain draw from the trained policy, the paper's way.
-        best: of 16 draws from the policy the one with the greatest Q.
-        product: of 16 draws from the policy the one with the greatest Q that has a motion.
-        reference: a plain draw from another trained policy.
+        optimisation: Weight of the optimization-based sampler.
+        perturbed: Weight of the optimization-based sampler with noise.
+        uniform: Weight of k drawn anywhere on the target.
+        policy: Weight of a plain draw from the trained policy, as in the paper.
+        best: Weight of the k with the highest Q among 16 draws from the policy.
+        product: Weight of the k with the highest Q among those of 16 draws from the policy that have a motion.
+        reference: Weight of a plain draw from another trained policy.
     """
 
     optimisation: float = 0.1
@@ -60,26 +59,26 @@ class Sources:
 
     @property
     def weights(self) -> dict[str, float]:
-        """Those above zero, by name."""
+        """Weights above zero, by name."""
         return {name: weight for name, weight in asdict(self).items() if weight > 0}
 
 
 @dataclass(frozen=True)
 class WalkConfig:
-    """How attempts are drawn.
+    """Settings of a random walk and its attempts.
 
     Attributes:
-        states: rounds of a walk; in each a high-level action is drawn and tried from one configuration.
-        draws: attempts in a round, each with a k of its own.
-        sources: where k comes from.
-        compare: every round makes its attempts from each of the sources, so that they can be compared.
-        checkpoints: folder of the trained policy, by default that of the package.
-        reference: folder of the policy that serves as the reference.
-        stray: probability that the walk goes on from where a failed round ended rather than from where it began.
-        patience: failed rounds in a row after which the walk goes back to a configuration that it met before.
-        on_support: probability that a box is placed on a support when there is a box it could be placed on.
-        noise: of the perturbed source.
-        drop: greatest height of a placement of the uniform source [m].
+        states: Number of rounds of a walk. Each round draws one high-level action and tries it from one configuration.
+        draws: Number of attempts in a round, each with its own k.
+        sources: Weights of the sources of k.
+        compare: Make the attempts of every round from each of the sources, so that the sources can be compared.
+        checkpoints: Folder of the trained policy; by default the one in the package.
+        reference: Folder of the policy that the source `reference` draws from.
+        stray: Probability that the walk continues from the end of a failed round rather than from its start.
+        patience: Number of failed rounds in a row after which the walk returns to an earlier configuration.
+        on_support: Probability that a box is placed on a support when it could also be placed on a box.
+        noise: Noise of the source `perturbed`.
+        drop: Maximum height of a placement from the source `uniform` [m].
     """
 
     states: int = 24
@@ -102,13 +101,13 @@ class WalkConfig:
             raise IctampError(Code.CONFLICT, problem, field="walk.reference")
 
     def check(self) -> None:
-        """Raise IctampError at once, rather than in every scene, when a trained policy is not to be had."""
+        """Raise IctampError at once, rather than in every scene, when a trained policy cannot be loaded."""
         for source in self.sources.weights:
             if source in _LEARNED:
                 self.choose_policy(source).check()
 
     def choose_policy(self, source: str) -> PolicyConfig:
-        """How a source draws from a trained policy."""
+        """Configuration with which a source draws from a trained policy."""
         folder = self.reference if source == "reference" else self.checkpoints
         candidates = _CANDIDATES if source in ("best", "product") else 1
         return PolicyConfig(folder, candidates, haste=0.0, trust=_CANDIDATES)
@@ -116,7 +115,7 @@ class WalkConfig:
 
 _LEARNED = ("policy", "best", "product", "reference")
 _CANDIDATES = 16
-"""Draws of which the best is taken."""
+"""Number of draws of which the best is taken."""
 
 
 def walk(
@@ -127,17 +126,17 @@ def walk(
     spared: Collection[int] = (),
     begin: Callable[[int], None] = lambda _: None,
 ) -> list[AttemptRow]:
-    """The attempts of a random walk in one training scene; the same arguments give the same rows apart from times.
+    """Walk through one training scene and record the attempts; the same arguments give the same rows, except for times.
 
     Args:
-        number: of the scene.
-        seed: of scenes and walks.
-        config: how attempts are drawn.
-        spared: numbers of attempts that are not made, since the process died or hung in them.
-        begin: called with the number of each attempt before it is made.
+        number: Number of the scene.
+        seed: Random seed of scenes and walks.
+        config: Settings of the walk.
+        spared: Numbers of attempts to skip, since the process died or hung in them.
+        begin: Function called with the number of each attempt before it is made.
 
     Returns:
-        No rows when the scene is not at rest at its start.
+        Rows of the attempts; none when the scene is not at rest at its start.
     """
     spec = training_scene(number, seed)
     try:
@@ -149,7 +148,7 @@ def walk(
 
 
 class _Course:
-    """One scene with all that is needed to walk through it."""
+    """One scene, with everything needed to walk through it."""
 
     def __init__(self, spec: SceneSpec, config: WalkConfig, rng: np.random.Generator) -> None:
         self._config = config
@@ -175,12 +174,14 @@ class _Course:
             return PerturbedSampler(world, optimization, config.noise)
         if source == "uniform":
             return UniformSampler(world, UniformConfig(max_height=config.drop))
-        return config.choose_policy(source).create(world, self._arm) if source in _LEARNED else optimization
+        if source in _LEARNED:
+            return config.choose_policy(source).create(SamplerContext(world, self._arm))
+        return optimization
 
     def attempts(
         self, spared: Collection[int], begin: Callable[[int], None]
     ) -> Iterator[tuple[int, int, str, Configuration, Attempt[Configuration]]]:
-        """State, draw, sampler, c and what came of it, for each attempt of the walk."""
+        """Walk, and yield the state, draw, sampler, c and attempt of each attempt on the way."""
         here, failed = 0, 0
         numbers = count()
         for _ in range(self._config.states):
@@ -205,7 +206,7 @@ class _Course:
                 here, failed = int(self._rng.integers(len(self._met))), 0
 
     def _round(self) -> Iterator[str]:
-        """The sources of the attempts of one round."""
+        """Sources of the attempts of one round."""
         names, weights = zip(*self._config.sources.weights.items(), strict=True)
         for _ in range(self._config.draws):
             if self._config.compare:
@@ -214,7 +215,7 @@ class _Course:
                 yield str(self._rng.choice(names, p=np.divide(weights, sum(weights))))
 
     def _action(self, c: Configuration) -> tuple[Action, State]:
-        """An applicable action and the state that it promises."""
+        """Draw an applicable action, with the state that it promises."""
         options = list(self._successors(c))
         supports = self._world.spec.supports
         apart = [[o for o in options if (o[0].args[1] in supports) == wanted] for wanted in (False, True)]
@@ -223,7 +224,7 @@ class _Course:
         return options[self._rng.integers(len(options))]
 
     def _choose_next(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
-        """Where one of the successes, or now and then of the failures, ended, if planning could go on from there."""
+        """Choose the end of a success, or sometimes of a failure, if planning could continue from there."""
         ends = [attempt.successor for attempt in tried if attempt.succeeded]
         if not ends and self._rng.random() < self._config.stray:
             ends = [self._settle(attempt.successor) for attempt in tried]
@@ -231,7 +232,7 @@ class _Course:
         return known[self._rng.integers(len(known))] if known else None
 
     def _settle(self, c: Configuration | None) -> Configuration | None:
-        """c at rest, since a failed attempt can end in the midst of its motion."""
+        """Let c come to rest, since a failed attempt can end in the middle of its motion; None when it cannot."""
         if c is None:
             return None
         try:
@@ -241,7 +242,7 @@ class _Course:
         return outcome.c if outcome.settled else None
 
     def _successors(self, c: Configuration) -> tuple[tuple[Action, State], ...]:
-        """Applicable actions, none in a state that the domain does not know, e.g. when a box leans on another."""
+        """Applicable actions; none in a state that the domain does not know, e.g. when a box leans on another."""
         state = self._abstraction(c)
         posture = frozenset(atom for atom in state if atom.predicate in ("upright", "tipped"))
         spec = self._world.spec
@@ -254,7 +255,7 @@ class _Course:
 
 
 def write_walk(out: Path, scene: int, seed: int, config: WalkConfig, spared: Collection[int]) -> tuple[int, int]:
-    """Walk through a scene and write the attempts to a folder; returns how many were made and how many executed."""
+    """Walk through a scene, write the attempts to a folder, and return the numbers of attempts and of executions."""
     shards = Shards(out)
     rows = walk(scene, seed, config, spared=spared, begin=partial(shards.begin, scene))
     shards.add(scene, rows)

@@ -1,14 +1,51 @@
-"""The plug-in points. Each is one or two methods; one file per implementation, one contract test for all."""
+"""The plug-in points. Each is one or two methods; one file per implementation, one contract test for all.
 
-from collections.abc import Hashable, Iterator, Sequence
-from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
+A part comes from a `Config`, a frozen dataclass of its constants. What core does not know is a type parameter here: the
+tree, why there is no motion, what a part is made from.
+"""
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, C, FloatArray, Obstruction, Parameter, Skeleton, State
+from ictamp_drake.core.types import (
+    Action,
+    Attempt,
+    C,
+    Configuration,
+    FloatArray,
+    Motion,
+    Obstruction,
+    Parameter,
+    Skeleton,
+    State,
+)
 
 C_contra = TypeVar("C_contra", bound=Hashable, contravariant=True)
+Context_contra = TypeVar("Context_contra", contravariant=True)
+Option_co = TypeVar("Option_co", covariant=True)
+Part_co = TypeVar("Part_co", covariant=True)
+Refusal_co = TypeVar("Refusal_co", covariant=True)
+Tree_contra = TypeVar("Tree_contra", contravariant=True)
+
+
+@runtime_checkable
+class Config(Protocol[Context_contra, Part_co]):
+    """Configuration of a part: a frozen dataclass of its constants. Parts of all kinds are made by the same call."""
+
+    def create(self, context: Context_contra, /) -> Part_co:
+        """The part for one search, made from what its kind is given."""
+
+
+@runtime_checkable
+class Learned(Protocol):
+    """Configuration of a part that needs trained networks."""
+
+    def check(self) -> None:
+        """Raise IctampError when the networks are missing or damaged, without loading torch."""
 
 
 class PlanGenerator(Protocol):
@@ -90,3 +127,58 @@ class Sampler(Protocol[C_contra]):
 
         An attempt takes them one after the other until it has a motion. It ends with a failure, whatever comes after.
         """
+
+
+class Skill(Protocol[Refusal_co]):
+    """ψ_a, what turns k into a motion."""
+
+    def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal_co:
+        """The motion that carries out the action from c with parameter k, or what is in its way."""
+
+    def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
+        """Where the motion ends if all goes well; asked only when plans run in physics as a whole."""
+
+
+class SelectionRule(Protocol[Tree_contra, Option_co]):
+    """A search strategy. One rule serves one search, so it may remember what it computed for a node."""
+
+    def choose(self, tree: Tree_contra, rng: np.random.Generator, /) -> Option_co:
+        """The next computational action.
+
+        Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
+        plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
+        """
+
+
+@dataclass(frozen=True)
+class RuleContext(Generic[C]):
+    """What a selection rule is made from.
+
+    Attributes:
+        estimator: P.
+    """
+
+    estimator: Estimator[C]
+
+
+@runtime_checkable
+class NeedsEstimator(Protocol):
+    """Configuration of a rule that works with one estimator only, whatever else is chosen."""
+
+    @property
+    def estimator(self) -> tuple[str, Mapping[str, object]]:
+        """Name of the estimator, and the constants of it that the rule sets."""
+
+
+class Guide(Protocol):
+    """An order of the search for high-level plans, see `symbolic.skeletons.PlanStream`."""
+
+    @property
+    def horizon(self) -> float:
+        """Plans of up to this many actions are ordered rightly; raised by `grow`."""
+
+    def estimate_distance(self, state: State) -> float:
+        """Actions from the state to the goal, as far as known; infinite when no way is known."""
+
+    def grow(self) -> None:
+        """Expand one state to learn more; called only while the horizon is finite."""

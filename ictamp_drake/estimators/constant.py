@@ -7,6 +7,7 @@ import numpy as np
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class ConstantConfig:
     def __post_init__(self) -> None:
         check_range("estimators.constant.P", self.P, 0, 1)
 
-    def create(self, world: object = None, skills: object = None) -> "Constant":  # noqa: ARG002  (as for the others)
+    def create(self, _: EstimatorContext) -> "Constant":
         """The estimator, the same in every scene."""
         return Constant(self.P)
 

@@ -9,6 +9,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton, State
+from ictamp_drake.estimators.context import EstimatorContext
 
 
 @dataclass(frozen=True)
@@ -27,9 +28,9 @@ class MonteCarloConfig:
         check_range("estimators.monte-carlo.executions", self.executions, 1, 1e6)
         check_range("estimators.monte-carlo.seed", self.seed, 0, 2**63 - 1)
 
-    def create(self, world: object, skills: SkillRunner[Configuration]) -> "MonteCarlo":  # noqa: ARG002
+    def create(self, context: EstimatorContext) -> "MonteCarlo":
         """The estimator for one search, with the skills that the search runs."""
-        return MonteCarlo(self, skills)
+        return MonteCarlo(self, context.skills)
 
 
 class MonteCarlo:

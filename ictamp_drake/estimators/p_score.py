@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.protocols import SkillRunner
-from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.learned import ConfiguredPlan, score_by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.observation.situations import Numbers
 from ictamp_drake.observation.state_matrix import Observation, Observer
-from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:
     from ictamp_drake.learning.models import EstimatorModel
@@ -40,8 +39,8 @@ class PScoreConfig:
     def __post_init__(self) -> None:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)
 
-    def create(self, world: World, skills: SkillRunner[Configuration] | None = None) -> "PScore":
-        """The estimator for one scene, of steps with these skills or, without any, with a single draw of k.
+    def create(self, context: EstimatorContext) -> "PScore":
+        """The estimator for one scene, of steps with the skills that the search runs.
 
         Raises:
             IctampError: a checkpoint is missing, damaged or of something else.
@@ -50,7 +49,7 @@ class PScoreConfig:
 
         folder = self.checkpoints or SHIPPED
         models = {skill: load_estimator(folder, skill) for skill in SKILLS}
-        return PScore(Observer(world.spec), models, self.draws, 1 if skills is None else skills.draws)
+        return PScore(Observer(context.world.spec), models, self.draws, context.skills.draws)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""

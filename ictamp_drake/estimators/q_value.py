@@ -12,11 +12,11 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import PlanParameters
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.imagination import Imagination, Rollouts, refine
 from ictamp_drake.estimators.learned import ConfiguredPlan
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.observation.state_matrix import Observer
-from ictamp_drake.world.world import World
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class QValueConfig:
                 advice="set --estimators.q-value.best",
             )
 
-    def create(self, world: World, skills: object = None) -> "QValue":  # noqa: ARG002  (the same for all estimators)
+    def create(self, context: EstimatorContext) -> "QValue":
         """The estimator for one scene.
 
         Raises:
@@ -72,8 +72,8 @@ class QValueConfig:
         folder, ahead = self.checkpoints or SHIPPED, self.horizon == "plan"
         learned = {skill: load_skill(folder, skill, self.critics) for skill in SKILLS}
         dynamics = {skill: load_dynamics(folder, skill) for skill in SKILLS if ahead}
-        imagination = Imagination(Observer(world.spec), learned, dynamics, depth=None if ahead else 1)
-        return QValue(self, imagination, world.spec.seed)
+        imagination = Imagination(Observer(context.world.spec), learned, dynamics, depth=None if ahead else 1)
+        return QValue(self, imagination, context.world.spec.seed)
 
     def check(self) -> None:
         """Raise what `create` would raise because of the checkpoints, without loading torch."""

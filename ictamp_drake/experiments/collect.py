@@ -1,9 +1,9 @@
-"""Attempts to learn from: random walks through training scenes, every attempt a row of a Parquet file.
+"""Collection of training data: random walks through training scenes, with one row of a Parquet file per attempt.
 
 `python -m ictamp_drake.experiments.collect --scenes 0:500 --out data/attempts`
 
-The same command goes on where it was interrupted, however that happened. What the rows are is said in
-`learning.dataset`, what the walks are in `collection.walk`, and where scenes come from in `scenes.training`.
+After an interruption of any kind, the same command continues. `learning.dataset` documents the rows, `collection.walk`
+the walks, and `scenes.training` the scenes.
 """
 
 import json
@@ -31,13 +31,13 @@ from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.scenes.levels import parse_selection
 
 COLLECTION = "collection.json"
-"""File beside the attempts: how they were made, and what there is of them."""
+"""File beside the attempts that records how they were made, with a summary of them."""
 
 MAX_SCENES = 1_000_000
 _MAX_SPARED = 3
-"""Attempts of one scene in which a process may die or hang; after one more the scene is given up."""
+"""Number of attempts per scene in which a process may die or hang. After one more, the scene is given up."""
 _REPORT = 30.0
-"""Time between two lines about the progress [s]."""
+"""Time between two progress lines [s]."""
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,12 @@ class Collect:
     """Collect attempts at skills in training scenes.
 
     Attributes:
-        out: folder for the attempts; naming one that exists continues it or adds scenes to it.
-        scenes: number of a training scene or slice of them, e.g. 3 or 0:500.
-        seed: of the scenes and walks.
-        limit: time after which a walk through a scene counts as hung [s].
-        engine: where scenes are walked through, one by each process at a time; all must see the folder `out`.
-        walk: how attempts are drawn.
+        out: Folder for the attempts. An existing folder is continued, and scenes can be added to it.
+        scenes: Number of a training scene or slice of scenes, e.g. 3 or 0:500.
+        seed: Random seed of the scenes and walks.
+        limit: Time after which the walk through one scene counts as hung [s].
+        engine: Processes that walk through the scenes, each one scene at a time. All need access to the folder `out`.
+        walk: Settings of the random walks.
     """
 
     out: Path
@@ -66,10 +66,10 @@ class Collect:
 
 
 def collect(options: Collect, console: Console) -> int:
-    """Collect what is not there yet and say what is there then; returns the exit code.
+    """Collect the missing scenes, print a summary of the folder, and return the exit code.
 
     Raises:
-        IctampError: the folder holds attempts that were made in another way, is in use or cannot be written.
+        IctampError: The folder holds attempts made with other options, is in use, or cannot be written.
     """
     scenes = parse_selection(options.scenes, MAX_SCENES, "scenes")
     options.walk.check()
@@ -89,7 +89,7 @@ def collect(options: Collect, console: Console) -> int:
 
 
 def _check_same(options: Collect) -> None:
-    """Note how attempts are made, or compare it with what is noted."""
+    """Record how attempts are made, or compare the options with those on record."""
     path = options.out / COLLECTION
     fixed = json.loads(json.dumps({"seed": options.seed, "walk": asdict(options.walk)}, default=str))
     if not path.exists():
@@ -100,9 +100,9 @@ def _check_same(options: Collect) -> None:
 
 
 def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Console) -> int:
-    """Walk through the scenes in processes of their own; returns how often one broke down.
+    """Walk through the scenes in worker processes and return the number of breakdowns.
 
-    A scene in which that happens is walked through again without the attempt that it happened in.
+    After a breakdown the walk through the scene is repeated without the attempt that caused it.
     """
     progress = _Progress(len(todo), console)
     spared: dict[int, list[int]] = {scene: [] for scene in todo}
@@ -137,7 +137,7 @@ def _walk_all(options: Collect, todo: Sequence[int], shards: Shards, console: Co
 
 
 class _Progress:
-    """A line now and then: what is done, how fast, and how long the rest will take."""
+    """Printer of regular progress lines: work done, speed, and time left."""
 
     def __init__(self, total: int, console: Console) -> None:
         self._total = total
@@ -147,13 +147,13 @@ class _Progress:
         self.finished = 0
 
     def add(self, attempts: int, executed: int) -> None:
-        """A scene is over."""
+        """Count a finished scene."""
         self.finished += 1
         self._attempts += attempts
         self._executed += executed
 
     def tell(self) -> None:
-        """Print the line when it is time."""
+        """Print a line when one is due."""
         now = time.monotonic()
         if now - self._told < _REPORT and self.finished < self._total:
             return
@@ -167,7 +167,7 @@ class _Progress:
 
 
 def _conclude(options: Collect, console: Console) -> None:
-    """Write what there is beside the data, and show it."""
+    """Write a summary beside the data, and print it."""
     path = options.out / COLLECTION
     about = read_json(path)
     about["summary"] = found = summary(options.out)
@@ -187,7 +187,7 @@ def _conclude(options: Collect, console: Console) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The program; returns its exit code."""
+    """Run the program and return its exit code."""
     interrupted = "Interrupted; the same command goes on, and repeats at most the scenes under way."
     return command("ictamp_drake.experiments.collect", Collect, collect, interrupted, arguments)
 

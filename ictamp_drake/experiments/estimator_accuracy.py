@@ -1,4 +1,4 @@
-"""How close P and Q are to counted success in scenes that nothing was learned from (paper, Figure 3).
+"""Accuracy of P and Q against the counted success rate, in scenes not used for training (paper, Figure 3).
 
 `python -m ictamp_drake.experiments.estimator_accuracy --ground-truth data/ground_truth`
 """
@@ -17,13 +17,14 @@ from rich.progress import track
 
 from ictamp_drake.core.checks import check_choice, check_different, check_range
 from ictamp_drake.core.files import make_folder, write_whole
+from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, Kind, load
 from ictamp_drake.learning.dataset import fingerprint
 from ictamp_drake.reports.accuracy import Accuracy, compare_estimators
 from ictamp_drake.reports.accuracy_figures import draw_all
 from ictamp_drake.reports.accuracy_table import as_csv, format_accuracies, markdown
-from ictamp_drake.reports.contenders import BaseRates, Contender, contenders
+from ictamp_drake.reports.contenders import BaseRates, contenders
 from ictamp_drake.reports.predictions import ask_contenders, group_by_scene
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.runs.folder import RUNS
@@ -34,21 +35,21 @@ NAME = "ictamp_drake.experiments.estimator_accuracy"
 
 @dataclass(frozen=True)
 class EstimatorAccuracy:
-    """Hold estimates of success against counted success.
+    """Compare estimates of success with the counted success rate.
 
-    The ground truth are attempts with the stochastic policy in held-out scenes, many from each c: `python -m
-    ictamp_drake.experiments.collect --walk.draws 40 --walk.sources.policy 1 --walk.sources.optimisation 0
-    --walk.sources.perturbed 0 --walk.sources.uniform 0`, in scenes that the networks were not trained in.
+    The ground truth consists of many attempts per c with the stochastic policy, in scenes that the networks were not
+    trained in: `python -m ictamp_drake.experiments.collect --walk.draws 40 --walk.sources.policy 1
+    --walk.sources.optimisation 0 --walk.sources.perturbed 0 --walk.sources.uniform 0`.
 
     Attributes:
-        ground_truth: folder of recorded attempts.
-        out: folder for the table, the cases and the pictures, by default a new one in runs/.
-        checkpoints: folder of the trained networks, by default that of the package.
-        skills: that are looked at.
-        least: attempts at a case, an action from one c, that count; cases with fewer are left out.
-        sampler: count only attempts whose k came from there; all by default.
-        plans: also STAP's product of Q along the plan, which needs trained dynamics.
-        base_rate: share of successes among the attempts that P was trained on.
+        ground_truth: Folder of recorded attempts.
+        out: Folder for the table, the cases and the figures. By default a new one in runs/.
+        checkpoints: Folder of the trained networks. By default that of the package.
+        skills: Skills to evaluate.
+        least: Number of attempts counted per case, which is one action from one c. Cases with fewer are left out.
+        sampler: Source of k: only attempts with a k from this sampler count. By default all attempts count.
+        plans: Whether to also evaluate STAP's product of Q along the plan, which needs trained dynamics.
+        base_rate: Share of successes among the attempts that P was trained on.
     """
 
     ground_truth: Path
@@ -69,10 +70,10 @@ class EstimatorAccuracy:
 
 
 def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
-    """Ask all estimators about all cases, write what came of it and show it; returns the exit code.
+    """Query all estimators for all cases, write and print the results, and return the exit code.
 
     Raises:
-        IctampError: attempts or checkpoints are missing, or are not fit for this.
+        IctampError: Attempts or checkpoints are missing or unsuitable.
     """
     checkpoints = options.checkpoints or SHIPPED
     configs = contenders(checkpoints, options.base_rate.complete(checkpoints), options.plans)
@@ -87,7 +88,9 @@ def judge(options: EstimatorAccuracy, console: Console, typed: str) -> int:
     return COMPLETE
 
 
-def _accuracy(options: EstimatorAccuracy, skill: str, configs: Mapping[str, Contender], console: Console) -> Accuracy:
+def _accuracy(
+    options: EstimatorAccuracy, skill: str, configs: Mapping[str, EstimatorConfig], console: Console
+) -> Accuracy:
     cases = read_cases(options.ground_truth, skill, options.least, options.sampler)
     asked = track(group_by_scene(cases), f"{skill}, scenes", console=console, transient=True)
     found = [prediction for group in asked for prediction in ask_contenders(group, configs)]
@@ -99,7 +102,7 @@ def _accuracy(options: EstimatorAccuracy, skill: str, configs: Mapping[str, Cont
 
 
 def _describe_source(options: EstimatorAccuracy, checkpoints: Path, typed: str) -> dict[str, Any]:
-    """Where the figures come from."""
+    """Return the provenance of the results: command, data, checkpoints and versions."""
     about: dict[str, Any] = {"command": typed, "ground truth": fingerprint(options.ground_truth)}
     for skill in options.skills:
         kinds: tuple[Kind, ...] = ("policy", "estimator", "dynamics")
@@ -112,7 +115,7 @@ def _describe_source(options: EstimatorAccuracy, checkpoints: Path, typed: str) 
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The program; returns its exit code."""
+    """Run the program and return its exit code."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     typed = shlex.join(["python", "-m", NAME, *given])
     return command(NAME, EstimatorAccuracy, lambda o, console: judge(o, console, typed), "Interrupted.", given)

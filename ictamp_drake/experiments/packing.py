@@ -1,4 +1,4 @@
-"""Constrained packing (paper, Experiments): rebuild a tower of two, three or four boxes on a rack, or build two.
+"""Constrained packing (paper, Experiments): rebuild a tower of two, three or four boxes on a rack, or build two towers.
 
 `python -m ictamp_drake.experiments.packing --level easy --problems 0:5`
 """
@@ -10,8 +10,8 @@ from typing import Annotated
 import tyro
 
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.method import Method, describe_choices
@@ -22,10 +22,11 @@ class Packing:
     """Plan, execute and record the constrained packing problems.
 
     Attributes:
-        level: difficulty, the number of boxes to pack; extreme is two towers of all six, varied scenes of all sorts.
-        problems: number of a problem or slice of the level's problems, e.g. 3, 0:5 or 10:.
-        conduct: how the run is carried out.
-        method: how problems are solved.
+        level: Level of difficulty: a tower of two (easy), three (medium) or four boxes (hard), two towers of all six
+            boxes (extreme), or scenes of all kinds (varied).
+        problems: Number of a problem or slice of the level's problems, e.g. 3, 0:5 or 10:.
+        conduct: Options of the run.
+        method: Method that solves the problems.
     """
 
     level: Annotated[str, describe_choices(LEVELS)] = "easy"
@@ -35,10 +36,10 @@ class Packing:
 
 
 def work(options: Packing) -> Work:
-    """The problems of a level.
+    """Return the problems of a level as the work of a run.
 
     Raises:
-        IctampError: no such level or problems.
+        IctampError: The level or the problems do not exist.
     """
     level = options.level
     files = problem_files(level, options.problems)

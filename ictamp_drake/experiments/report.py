@@ -1,4 +1,4 @@
-"""Tables, pictures and a page of what runs of several strategies show (paper, Experiments: Table 1, Figures 1 to 3).
+"""Tables, figures and a page of results from runs of several strategies (paper, Experiments: Table 1, Figures 1 to 3).
 
 `python -m ictamp_drake.experiments.report --runs benchmarks/results/paper benchmarks/results/default`
 """
@@ -35,15 +35,15 @@ NAME = "ictamp_drake.experiments.report"
 
 @dataclass(frozen=True)
 class Report:
-    """Say what runs of several strategies show, and what they do not.
+    """Report the results of runs of several strategies, and what they do not show.
 
     Attributes:
-        runs: folders of runs, a regime each, named by the folder.
-        out: folder for tables and pictures; the page gets its name with the suffix .md.
-        against: strategy that all others are held against, by default the first one of the first folder. A folder
-            without it takes its own first one.
-        search: record of a search, tree.json, whose growth is drawn when it is there.
-        accuracy: picture of the estimators' accuracy, for which the page has a place when it is there.
+        runs: Folders of runs, one per regime. Each regime is named after its folder.
+        out: Folder for tables and figures. The page gets the same name with the suffix .md.
+        against: Reference strategy that all others are compared with. By default the first one of the first folder. A
+            folder without this strategy uses its own first one.
+        search: Record of a search, tree.json. Its growth is drawn if the file exists.
+        accuracy: Figure of the estimators' accuracy. The page includes it if the file exists.
     """
 
     runs: tuple[Path, ...]
@@ -59,11 +59,11 @@ class Report:
 
 
 def write_report(options: Report, console: Console, typed: str) -> int:
-    """Read all runs, then write the page, its tables and its pictures; returns the exit code.
+    """Read all runs, write the page with its tables and figures, and return the exit code.
 
     Raises:
-        IctampError: a folder holds no runs or broken ones, two have the same name, no strategy has the name, the
-            search is no record of one, or the folder for the page cannot be written.
+        IctampError: A folder contains no runs or broken ones, two folders have the same name, the reference strategy
+            does not exist, the search file is not a record of a search, or the folder for the page is not writable.
     """
     measured, out = _regimes(options.runs), options.out
     against = _choose_reference(options.against, measured)
@@ -90,7 +90,7 @@ def write_report(options: Report, console: Console, typed: str) -> int:
 
 
 def _chapter(regime: Regime, against: str, out: Path) -> Chapter:
-    """Compare the strategies of a regime, and write its pictures."""
+    """Compare the strategies of a regime and write its figures."""
     figures: dict[str, Callable[[], Figure]] = {
         "success": partial(success, regime.runs, regime.time_limit),
         "stages": partial(stages, regime.runs),
@@ -136,7 +136,7 @@ def _choose_reference(given: str | None, regimes: Sequence[Regime]) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The program; returns its exit code."""
+    """Run the program and return its exit code."""
     given = sys.argv[1:] if arguments is None else list(arguments)
     typed = shlex.join(["python", "-m", NAME, *given])
     return command(NAME, Report, lambda options, console: write_report(options, console, typed), "Interrupted.", given)

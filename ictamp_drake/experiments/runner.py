@@ -1,9 +1,10 @@
-"""All strategies on all problems, under equal conditions: the rows of the paper's Table 1 and more.
+"""Comparison of strategies on the same problems under equal conditions: the rows of the paper's Table 1 and more.
 
 `python -m ictamp_drake.experiments.runner --regime paper --strategies p-score adaptive --levels hard --seeds 0 1`
 
-Problem after problem, each with every strategy and seed, so that what is done at any moment is a fair comparison. The
-same command with --out FOLDER goes on where it was interrupted, and may add strategies, levels, scenes and seeds.
+The runner solves each problem with every strategy and seed before the next problem, so the results so far are always a
+fair comparison. After an interruption, the same command with --out FOLDER continues. It may add strategies, levels,
+scenes and seeds.
 """
 
 import sys
@@ -14,30 +15,30 @@ from typing import Annotated
 
 import tyro
 
+import ictamp_drake as ict
 from ictamp_drake.core.checks import check_choice, check_different, check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
 from ictamp_drake.scenes.spec import load_scene, to_dict
 from ictamp_drake.tamp.method import Method, describe_choices
-from ictamp_drake.tamp.task import load
 
 
 @dataclass(frozen=True)
 class Runner:
-    """Compare strategies on the packing problems or on scenes of one's own.
+    """Compare strategies on the packing problems or on your own scenes.
 
     Attributes:
-        regime: what all strategies have in common, and which are run by default.
-        strategies: names, or NAME="OPTIONS" with options of the packing program.
-        levels: of the problems; by default those of the paper, or none when there are scenes.
-        problems: number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
-        scenes: files of scenes of one's own.
-        seeds: of the search.
-        conduct: how the run is carried out.
+        regime: Common options of all strategies, and the strategies that run by default.
+        strategies: Names of strategies, or NAME="OPTIONS" with options of the packing program.
+        levels: Levels of the problems. By default those of the paper, or none if `scenes` is given.
+        problems: Number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
+        scenes: YAML files of your own scenes.
+        seeds: Random seeds of the search.
+        conduct: Options of the run.
     """
 
     regime: Annotated[str, describe_choices(tuple(REGIMES))] = "paper"
@@ -58,10 +59,11 @@ class Runner:
 
 
 def work(options: Runner) -> Work:
-    """Every problem with every strategy and seed.
+    """Return every problem with every strategy and seed as the work of a run.
 
     Raises:
-        IctampError: no such level, problems or strategy, a scene or its goal is not one, or two have the same name.
+        IctampError: A level, problem or strategy does not exist, a scene or its goal is invalid, or two scenes have the
+            same name.
     """
     by_strategy = methods(options.regime, options.strategies, options.seeds)
     scenes = _scenes(options.scenes, next(iter(by_strategy.values()))[0])
@@ -91,7 +93,7 @@ def _names(level: str, selection: str) -> dict[str, Path]:
 
 
 def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
-    """Scenes of the user's own; each must be fit for planning, and named unlike the levels' problems."""
+    """Load the user's own scenes. Each must be ready for planning, with a name that no problem of a level has."""
     files = {name: path for level in LEVELS for name, path in _names(level, ":").items()}
     scenes: list[Problem] = []
     for path in paths:
@@ -99,7 +101,7 @@ def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
             problem = f"the name of {{value}} is taken by {files[path.stem]}"
             raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
         files[path.stem] = path
-        scenes.append(Problem(path.stem, load(path, method).spec))
+        scenes.append(Problem(path.stem, ict.load(path, method).spec))
     return scenes
 
 

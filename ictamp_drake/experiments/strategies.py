@@ -3,41 +3,58 @@
 import re
 import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import tyro
 
 from ictamp_drake.core.checks import check_different
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.tamp.method import Method
+from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
+from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.planning.els import ElsConfig
+from ictamp_drake.skills.config import PolicyConfig, SkillsConfig
+from ictamp_drake.tamp.method import Estimators, Method, Planners, Samplers
 
-_PRODUCT = (
-    "--planner completion-tree --estimator q-value --estimators.q-value.horizon plan --estimators.q-value.draws 16 "
-    "--estimators.q-value.best"
-)
-_ONE_DRAW = "--skills.draws 1 --samplers.policy.candidates 1"
+_PRODUCT = QValueConfig(horizon="plan", draws=16, best=True)
 
-STRATEGIES: dict[str, str] = {
-    "p-score": "--planner completion-tree --estimator p-score",
-    "p-product": f"{_PRODUCT} --estimators.q-value.critics estimator",
-    "q-value": "--planner completion-tree --estimator q-value",
-    "q-product": _PRODUCT,
-    "constant": "--planner completion-tree --estimator constant",
-    "monte-carlo": "--planner completion-tree --estimator monte-carlo --estimators.monte-carlo.executions 10",
-    "adaptive": "--planner adaptive --estimator p-score",
-    "round-robin": "--planner round-robin --estimator constant",
-    "els-3-1": "--planner els --planners.els.p-w 3 --planners.els.p-c 1 --estimator constant",
-    "els-1-1": "--planner els --planners.els.p-w 1 --planners.els.p-c 1 --estimator constant",
-    "els-q": "--planner els --planners.els.weighted --estimator q-value",
-    "uniform": "--planner uniform --estimator constant",
-    "stap": "--planner stap --estimator q-value",
-    "uniform-k": "--planner completion-tree --estimator p-score --sampler uniform",
-    "optimisation-constant": "--planner completion-tree --estimator constant --sampler optimisation",
+STRATEGIES: dict[str, Method] = {
+    "p-score": Method(),
+    "p-product": Method(estimator="q-value", estimators=Estimators(q_value=replace(_PRODUCT, critics="estimator"))),
+    "q-value": Method(estimator="q-value"),
+    "q-product": Method(estimator="q-value", estimators=Estimators(q_value=_PRODUCT)),
+    "constant": Method(estimator="constant"),
+    "monte-carlo": Method(estimator="monte-carlo", estimators=Estimators(monte_carlo=MonteCarloConfig(executions=10))),
+    "adaptive": Method(planner="adaptive"),
+    "round-robin": Method(planner="round-robin", estimator="constant"),
+    "els-3-1": Method(planner="els", estimator="constant", planners=Planners(els=ElsConfig(p_w=3.0, p_c=1.0))),
+    "els-1-1": Method(planner="els", estimator="constant", planners=Planners(els=ElsConfig(p_w=1.0, p_c=1.0))),
+    "els-q": Method(planner="els", estimator="q-value", planners=Planners(els=ElsConfig(weighted=True))),
+    "uniform": Method(planner="uniform", estimator="constant"),
+    "stap": Method(planner="stap", estimator="q-value"),
+    "uniform-k": Method(sampler="uniform"),
+    "optimisation-constant": Method(sampler="optimisation", estimator="constant"),
 }
-"""Options of each strategy; those that ask no estimator name the cheapest one."""
+"""Sampler, estimator and planner of each strategy; those that ask no estimator name the cheapest one."""
 
-REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
-    "paper": (
-        f"{_ONE_DRAW} --time-limit 120 --max-steps 600",
+
+@dataclass(frozen=True)
+class Regime:
+    """Conditions under which strategies are compared.
+
+    Attributes:
+        method: What all strategies have in common.
+        usual: Names of the strategies that are run unless told otherwise.
+    """
+
+    method: Method
+    usual: tuple[str, ...]
+
+
+_ONE_DRAW = Method(skills=SkillsConfig(draws=1), samplers=Samplers(policy=PolicyConfig(candidates=1)))
+
+REGIMES: dict[str, Regime] = {
+    "paper": Regime(
+        replace(_ONE_DRAW, time_limit=120.0, max_steps=600),
         (
             "p-score",
             "p-product",
@@ -52,15 +69,12 @@ REGIMES: dict[str, tuple[str, tuple[str, ...]]] = {
             "adaptive",
         ),
     ),
-    "default": ("--time-limit 60", ("p-score", "adaptive", "optimisation-constant")),
-    "ceiling": (f"{_ONE_DRAW} --time-limit 3600 --max-steps 300", ("p-score", "monte-carlo")),
+    "default": Regime(Method(time_limit=60.0), ("p-score", "adaptive", "optimisation-constant")),
+    "ceiling": Regime(replace(_ONE_DRAW, time_limit=3600.0, max_steps=300), ("p-score", "monte-carlo")),
 }
-"""Options that all strategies share, and which are run unless told otherwise.
-
-Paper: one draw of k a step, which is not drawn anew when it has no motion. Default: the options of the package.
+"""Paper: one draw of k a step, which is not drawn anew when it has no motion. Default: the options of the package.
 Ceiling: the paper's, but limited by steps alone, so that counting the success of each option has all the time it takes.
 """
-
 
 _NAME = re.compile(r"\w[\w.+-]*")
 """Of a strategy, and so of a folder for what it leaves."""
@@ -77,18 +91,18 @@ def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Map
     Raises:
         IctampError: no such strategy, or two with the same name.
     """
-    shared, usual = REGIMES[regime]
-    named = [_parse_strategy(strategy) for strategy in strategies or usual]
-    check_different("strategies", [name for name, _ in named])
-    return {
-        name: [tyro.cli(Method, args=[*shlex.split(shared), *options, "--seed", str(seed)]) for seed in seeds]
-        for name, options in named
-    }
+    conditions = REGIMES[regime]
+    found = [_parse_strategy(strategy, conditions.method) for strategy in strategies or conditions.usual]
+    check_different("strategies", [name for name, _ in found])
+    return {name: [replace(method, seed=seed) for seed in seeds] for name, method in found}
 
 
-def _parse_strategy(strategy: str) -> tuple[str, list[str]]:
+def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
+    """Name and method of a strategy under the conditions that all share."""
     name, defined, options = strategy.partition("=")
-    if not (defined and _NAME.fullmatch(name)) and strategy not in STRATEGIES:
+    if not defined and name in STRATEGIES:
+        return name, _combine(shared, STRATEGIES[name])
+    if not (defined and _NAME.fullmatch(name)):
         raise IctampError(
             Code.UNKNOWN_CHOICE,
             "expected the name of a strategy, or NAME=OPTIONS, got {value}",
@@ -98,7 +112,19 @@ def _parse_strategy(strategy: str) -> tuple[str, list[str]]:
             advice='or give options with a name of letters, digits, _, ., + and -, e.g. "mine=--planner els"',
         )
     try:
-        return name, shlex.split(options if defined else STRATEGIES[strategy])
+        return name, tyro.cli(Method, args=shlex.split(options), default=shared)
     except ValueError as error:
         problem = f"cannot read the options of {{value}}: {error}"
         raise IctampError(Code.NOT_READABLE, problem, field="strategies", value=strategy) from error
+
+
+def _combine(shared: Method, strategy: Method) -> Method:
+    """The conditions of a regime with all that a strategy says: its constants of samplers are those of the regime."""
+    return replace(
+        shared,
+        sampler=strategy.sampler,
+        estimator=strategy.estimator,
+        planner=strategy.planner,
+        estimators=strategy.estimators,
+        planners=strategy.planners,
+    )

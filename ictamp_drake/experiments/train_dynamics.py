@@ -1,4 +1,4 @@
-"""Train the dynamics of each skill, where an action's box is after a success, for estimates along whole plans.
+"""Train the dynamics of each skill for estimates along whole plans: the pose of the action's box after a success.
 
 `python -m ictamp_drake.experiments.train_dynamics --data data/attempts --out runs/dynamics`
 """
@@ -22,12 +22,12 @@ class TrainDynamics:
     """Train T(matrix, k) on the attempts that succeeded.
 
     Attributes:
-        data: folder of recorded attempts.
-        out: folder of the run, by default a new one in runs/; naming that of an interrupted run continues it.
-        skills: to train, one after the other.
-        sampler: learn only from attempts whose k came from there; from all by default.
-        network: what gives the residual; of several members the mean.
-        fit: how it is trained.
+        data: Folder of recorded attempts.
+        out: Folder of the run. By default a new one in runs/. The folder of an interrupted run is continued.
+        skills: Skills to train, one after the other.
+        sampler: Source of k: only attempts with a k from this sampler are used. By default all attempts are used.
+        network: Network that predicts the residual. With several members, their mean.
+        fit: Options of the training.
     """
 
     data: Path
@@ -39,7 +39,7 @@ class TrainDynamics:
 
 
 def train(options: TrainDynamics, course: Course) -> bool:
-    """Train one skill's dynamics and write its checkpoint; False when it was interrupted."""
+    """Train the dynamics of one skill and write its checkpoint. Return False when interrupted."""
     course = replace(course, parts=course.parts.successes())
     dynamics = Dynamics(course.skill, options.network)
     complete = course.fit("dynamics", PoseRegression(dynamics), options.fit)

@@ -1,4 +1,4 @@
-"""Train P of each skill, the probability that a high-level action succeeds, from attempts with the shipped policy.
+"""Train P for each skill, the probability that a high-level action succeeds, from attempts with the shipped policy.
 
 `python -m ictamp_drake.experiments.train_estimator --data data/outcomes --out runs/estimator`
 """
@@ -23,20 +23,20 @@ from ictamp_drake.observation.state_matrix import Observation
 
 @dataclass(frozen=True)
 class TrainEstimator:
-    """Train an ensemble on outcomes, stop it early and calibrate it on scenes it has not seen.
+    """Train an ensemble on outcomes of attempts, with early stopping and calibration on unseen scenes.
 
-    It learns from the k that was tried; P is its mean over the k that the policy proposes. So it can learn from
-    attempts with any k, while only those with the policy tell how good P is.
+    The ensemble takes the attempted k as an input, and P is its mean over the k that the policy proposes. Therefore it
+    can learn from attempts with any k, but only attempts with the policy can measure the quality of P.
 
     Attributes:
-        data: folder of recorded attempts with the policy.
-        also: folders of attempts with any k that are learned from too, and neither calibrate nor test.
-        out: folder of the run, by default a new one in runs/; naming that of an interrupted run continues it.
-        skills: to train, one after the other.
-        sampler: learn only from attempts whose k came from there; from all by default.
-        policy: folder of the policy whose success P is to be, by default that of the package.
-        network: the ensemble.
-        fit: how it is trained.
+        data: Folder of recorded attempts with the policy.
+        also: Folders of additional training attempts with any k. They are not used for calibration or testing.
+        out: Folder of the run. By default a new one in runs/. The folder of an interrupted run is continued.
+        skills: Skills to train, one after the other.
+        sampler: Source of k: only attempts with a k from this sampler are used. By default all attempts are used.
+        policy: Folder of the policy whose success rate P predicts. By default that of the package.
+        network: Ensemble of networks.
+        fit: Options of the training.
     """
 
     data: Path
@@ -50,7 +50,7 @@ class TrainEstimator:
 
 
 def train(options: TrainEstimator, course: Course) -> bool:
-    """Train one skill's estimator and write its checkpoint; False when it was interrupted."""
+    """Train the estimator of one skill and write its checkpoint. Return False when interrupted."""
     folder, skill = options.policy or SHIPPED, course.skill
     policy, found = load_skill(folder, skill).policy, load(folder, "policy", skill)
     critic = Classifier(skill, options.network)
@@ -69,7 +69,7 @@ def train(options: TrainEstimator, course: Course) -> bool:
 
 
 def evaluate_estimator(model: EstimatorModel, test: Batch) -> dict[str, float]:
-    """Figures of P, which sees no k, on held-out attempts."""
+    """Return metrics of P, which does not depend on k, on held-out attempts."""
     P, _ = model.believe(Observation(test.matrix.numpy(), test.mask.numpy()), PScoreConfig().draws)
     return metrics(P, test.success.numpy())
 

@@ -1,4 +1,4 @@
-"""Train the policy and the critics of each skill, alone, from recorded attempts.
+"""Train the policy and the critics of each skill separately from recorded attempts.
 
 `python -m ictamp_drake.experiments.train_skill --data data/attempts --out runs/skills`
 """
@@ -22,20 +22,21 @@ from ictamp_drake.observation.state_matrix import Observation
 
 @dataclass(frozen=True)
 class TrainSkill:
-    """Train Q(matrix, k), and then the policy that is drawn from.
+    """Train Q(matrix, k), and then the policy that proposes k.
 
-    The actor-critic of STAP (off-line, critics first): `--critic.kind flat --critic.members 2 --critic.width 256
-    --policy.network.kind squashed --policy.network.network.kind flat --policy.network.network.width 256
-    --policy.imitation 0 --policy.temperature 0.1 --policy.entropy -4 --fit.rate 1e-4`.
+    Options for the actor-critic of STAP (offline, critics first): `--critic.kind flat --critic.members 2
+    --critic.width 256 --policy.network.kind squashed --policy.network.network.kind flat
+    --policy.network.network.width 256 --policy.imitation 0 --policy.temperature 0.1 --policy.entropy -4
+    --fit.rate 1e-4`.
 
     Attributes:
-        data: folder of recorded attempts.
-        out: folder of the run, by default a new one in runs/; naming that of an interrupted run continues it.
-        skills: to train, one after the other.
-        sampler: learn only from attempts whose k came from there; from all by default.
-        critic: networks of Q.
-        policy: π.
-        fit: how both are trained.
+        data: Folder of recorded attempts.
+        out: Folder of the run. By default a new one in runs/. The folder of an interrupted run is continued.
+        skills: Skills to train, one after the other.
+        sampler: Source of k: only attempts with a k from this sampler are used. By default all attempts are used.
+        critic: Networks of Q.
+        policy: Policy π and its objective.
+        fit: Options of the training of both.
     """
 
     data: Path
@@ -48,7 +49,7 @@ class TrainSkill:
 
 
 def train(options: TrainSkill, course: Course) -> bool:
-    """Train one skill and write its checkpoint; False when it was interrupted."""
+    """Train one skill and write its checkpoint. Return False when interrupted."""
     critic = Classifier(course.skill, options.critic)
     if not course.fit("critic", Classification(critic), options.fit, bootstraps=options.critic.members):
         return False
@@ -68,7 +69,7 @@ def train(options: TrainSkill, course: Course) -> bool:
 
 
 def evaluate_policy(model: SkillModel, course: Course, count: int = 16) -> dict[str, float]:
-    """Mean Q in test scenes of one draw, and of the best of several; what the critics say, not what physics does."""
+    """Return the mean Q of one draw and of the best of several in test scenes, by the critics and without physics."""
     test = course.parts.test
     observation = Observation(test.matrix.numpy(), test.mask.numpy())
     Q = model.Q(observation, model.draw(observation, count, np.random.default_rng(0)))

@@ -1,4 +1,4 @@
-"""The frame of the training programs: command line, run folder, progress, checkpoint, exit code."""
+"""Common part of the training programs: command line, run folder, progress, checkpoint, exit code."""
 
 import dataclasses
 import json
@@ -26,7 +26,7 @@ from ictamp_drake.runs.provenance import provenance
 
 
 class Options(Protocol):
-    """What the options of every training program have."""
+    """Common options of all training programs."""
 
     @property
     def data(self) -> Path:
@@ -34,7 +34,7 @@ class Options(Protocol):
 
     @property
     def out(self) -> Path | None:
-        """Run folder."""
+        """Folder of the run."""
 
     @property
     def skills(self) -> tuple[str, ...]:
@@ -42,11 +42,11 @@ class Options(Protocol):
 
     @property
     def sampler(self) -> str | None:
-        """Where k must come from."""
+        """Sampler that k must come from; None for any."""
 
     @property
     def fit(self) -> FitConfig:
-        """How networks are trained."""
+        """Options of the training."""
 
 
 T = TypeVar("T", bound=Options)
@@ -54,14 +54,14 @@ T = TypeVar("T", bound=Options)
 
 @dataclass(frozen=True)
 class Course:
-    """The training of one skill.
+    """Training of one skill.
 
     Attributes:
-        skill: pick or place.
-        parts: its attempts.
-        folder: of the run; the checkpoint goes there.
-        about: provenance for the checkpoint.
-        progress: shows epochs.
+        skill: Name of the skill, pick or place.
+        parts: Attempts at the skill, split for training, validation and test.
+        folder: Folder of the run, which gets the checkpoint.
+        about: Provenance for the checkpoint.
+        progress: Progress display of the epochs.
     """
 
     skill: str
@@ -71,20 +71,20 @@ class Course:
     progress: Progress
 
     def with_added_data(self, *folders: Path) -> "Course":
-        """The same with all attempts of further folders to learn from."""
+        """Return a copy with all attempts of further folders added to the training part."""
         more = [batch(load(folder, self.skill)) for folder in folders]
         training = join_batches(self.parts.training, *more)
         about = {**self.about, "also": [fingerprint(folder) for folder in folders]}
         return replace(self, parts=self.parts._replace(training=training), about=about)
 
     def fit(self, name: str, objective: Objective, config: FitConfig, bootstraps: int = 1) -> bool:
-        """Train to the end; False when Ctrl-C came before.
+        """Train to the end. Return False when Ctrl-C interrupts the training.
 
         Args:
-            name: of the part that is trained, which has a folder of its own.
-            objective: what is minimised.
-            config: how.
-            bootstraps: members of an ensemble, each of which sees a sample of its own; 1 for no sampling.
+            name: Name of the network that is trained, and of its folder.
+            objective: Objective to minimize.
+            config: Options of the training.
+            bootstraps: Number of ensemble members that each see their own bootstrap sample. 1 for no sampling.
         """
         training = self.parts.training
         if bootstraps > 1:
@@ -110,10 +110,10 @@ def main(
     """Run a training program and return its exit code.
 
     Args:
-        name: of its module.
-        options: dataclass that its command line is derived from.
-        train: trains one skill and writes its checkpoint; False when it was interrupted.
-        arguments: command line, that of the process by default.
+        name: Name of the program's module.
+        options: Dataclass that defines the command line.
+        train: Function that trains one skill and writes its checkpoint. It returns False when interrupted.
+        arguments: Command line, by default that of the process.
     """
     given = sys.argv[1:] if arguments is None else list(arguments)
     typed = shlex.join(["python", "-m", name, *given])
@@ -136,7 +136,7 @@ def main(
 
 
 def _prepare_parts(options: Options, skill: str, command: str) -> tuple[Split, dict[str, Any]]:
-    """The attempts at a skill, and where what is learned from them comes from."""
+    """Return the split attempts at a skill, and the provenance of the checkpoint."""
     attempts = _select_by_sampler(load(options.data, skill), options.sampler)
     start(options.fit.seed)
     plain = json.loads(json.dumps(dataclasses.asdict(options), default=str))  # type: ignore[call-overload]

@@ -11,7 +11,7 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.learning.dataset import Attempts
 
 VALIDATION, TEST = 0.1, 0.1
-"""Shares of the scenes."""
+"""Shares of the scenes for validation and for the test."""
 _GOLDEN = 0.6180339887498949
 
 
@@ -20,12 +20,12 @@ class Batch:
     """n attempts at one skill.
 
     Attributes:
-        matrix: shape (n, 8, D).
-        mask: shape (n, 8).
-        k: shape (n, 4).
-        success: 0 or 1, shape (n,).
-        moved: (x, y, z, yaw) of the action's box afterwards, nan where unknown, shape (n, 4), see `Attempts`.
-        weight: of each attempt for each member of an ensemble, shape (n, members).
+        matrix: Primitive state matrices, shape (n, 8, D).
+        mask: True where a row holds an object, shape (n, 8).
+        k: Parameters of the skill, shape (n, 4).
+        success: Outcome, 0 or 1, shape (n,).
+        moved: Pose (x, y, z, yaw) of the action's box afterwards, nan where unknown, shape (n, 4), see `Attempts`.
+        weight: Weight of each attempt for each member of an ensemble, shape (n, members).
     """
 
     matrix: Tensor
@@ -39,13 +39,13 @@ class Batch:
         return len(self.k)
 
     def rows(self, chosen: Tensor) -> "Batch":
-        """Some of the attempts."""
+        """Select some of the attempts."""
         return Batch(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
     def select_informative(self) -> "Batch":
-        """What a policy learns from: all successes, and of a situation that had none one attempt; in the same order.
+        """Select what a policy learns from: all successes, and one attempt of each situation without any, in order.
 
-        The attempts at a situation stand one after the other.
+        The attempts at one situation must be adjacent.
         """
         changes = (self.matrix[1:] != self.matrix[:-1]).flatten(1).any(dim=1)
         first = torch.cat([changes.new_ones(1), changes])
@@ -54,37 +54,37 @@ class Batch:
         return self.rows((self.success > 0) | (first & (wins[situation] == 0)))
 
     def with_bootstrap_weights(self, members: int, rng: np.random.Generator) -> "Batch":
-        """Each member of an ensemble sees a sample of its own, drawn with replacement (Poisson's approximation)."""
+        """Weight the attempts by a bootstrap sample for each member of an ensemble (Poisson's approximation)."""
         weight = torch.from_numpy(rng.poisson(1.0, (len(self), members)).astype(np.float32))
         return replace(self, weight=weight)
 
 
 class Split(NamedTuple):
-    """Attempts to learn from, to stop early and calibrate by, and to test with; no scene is in two of them."""
+    """Attempts for training, for early stopping and calibration, and for the test; no scene is in two of them."""
 
     training: Batch
     validation: Batch
     test: Batch
 
     def successes(self) -> "Split":
-        """Without the failures."""
+        """Split without the failures."""
         return Split(*(part.rows(part.success > 0) for part in self))
 
     def select_informative(self) -> "Split":
-        """What a policy learns from."""
+        """Split with only the attempts that a policy learns from."""
         return Split(*(part.select_informative() for part in self))
 
 
 def join_batches(*batches: Batch) -> Batch:
-    """All attempts of several batches."""
+    """Join several batches into one."""
     return Batch(**{field.name: torch.cat([getattr(one, field.name) for one in batches]) for field in fields(Batch)})
 
 
 def split(attempts: Attempts) -> Split:
-    """Split by the number of the scene alone: a scene is where it is, whatever else was collected.
+    """Split by the number of the scene alone, so that a scene stays in its part whatever else is collected.
 
     Raises:
-        IctampError: a part has no successes or no failures.
+        IctampError: A part has no successes or no failures.
     """
     place = attempts.scene * _GOLDEN % 1.0  # spread evenly, unlike the kinds of scenes
     bounds = {
@@ -105,7 +105,7 @@ def split(attempts: Attempts) -> Split:
 
 
 def batch(attempts: Attempts) -> Batch:
-    """All attempts with equal weights."""
+    """Convert attempts to tensors, with equal weights."""
     success = torch.from_numpy(attempts.success.astype(np.float32))
     arrays = (attempts.matrix, attempts.mask, attempts.k, attempts.moved)
     matrix, mask, k, moved = (torch.from_numpy(array) for array in arrays)

@@ -1,4 +1,4 @@
-"""Counted success: recorded attempts at the same action from the same c, which estimates are held against."""
+"""Counted success: repeated attempts at the same action from the same c, the ground truth for estimates."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,15 +20,15 @@ _START = ("spec", "q", "poses", "held", "gripper")
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """An action that was executed again and again from one c.
+    """An action that was executed repeatedly from one c.
 
     Attributes:
-        scene: number of the training scene.
-        state: number of c among those of its scene.
-        spec: the scene as JSON.
-        c: where every execution started.
-        action: what was tried.
-        outcomes: whether the promised state was reached, in the order of the draws, shape (executions,).
+        scene: Number of the training scene.
+        state: Number of c among those of its scene.
+        spec: Scene as JSON.
+        c: Configuration from which every execution started.
+        action: Action that was tried.
+        outcomes: Whether the promised state was reached, in order of the draws, shape (executions,).
     """
 
     scene: int
@@ -47,9 +47,9 @@ class Counts:
     """Executions of n cases.
 
     Attributes:
-        scene: number of the training scene, shape (n,).
-        attempts: executions and refusals by motion planning, shape (n,).
-        successes: of them, shape (n,).
+        scene: Number of the training scene, shape (n,).
+        attempts: Number of executions and of refusals by motion planning, shape (n,).
+        successes: Number of successful attempts, shape (n,).
     """
 
     scene: NDArray[np.int_]
@@ -61,22 +61,22 @@ class Counts:
 
     @property
     def share(self) -> FloatArray:
-        """GT, the ground truth: the share of successes, shape (n,)."""
+        """Ground truth GT: the share of successes, shape (n,)."""
         return self.successes / self.attempts
 
 
 def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None) -> list[Case]:
-    """The cases of a skill, in the order of scenes and states; refusals by motion planning count as failures.
+    """Read the cases of a skill, in order of scene and state; refusals by motion planning count as failures.
 
     Args:
-        folder: of recorded attempts.
-        skill: pick or place.
-        least: attempts at a case; those with fewer are left out, and of more only the first count, so that no case
-            counts for more than another.
-        sampler: where k must come from; anywhere by default.
+        folder: Folder of recorded attempts.
+        skill: Skill, pick or place.
+        least: Number of attempts that count in each case. Cases with fewer are left out, and further attempts are
+            ignored, so that no case counts for more than another.
+        sampler: Sampler that k must come from; any sampler by default.
 
     Raises:
-        IctampError: no attempts, too few of them, or all with the same outcome or in one scene.
+        IctampError: There are no attempts, too few of them, or all have the same outcome or are in one scene.
     """
     groups = _group_rows(folder, skill, sampler)
     cases = [_case(rows[:least]) for _, rows in sorted(groups.items()) if len(rows) >= least]
@@ -90,7 +90,7 @@ def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None)
 
 
 def _group_rows(folder: Path, skill: str, sampler: str | None) -> dict[tuple[Any, ...], list[dict[str, Any]]]:
-    """Rows of each case in the order of the draws."""
+    """Group the rows by case, in order of the draws."""
     wanted = pads.field("action").cast(pa.string()) == skill
     if sampler is not None:
         wanted &= pads.field("sampler").cast(pa.string()) == sampler
@@ -118,14 +118,14 @@ def _check(folder: Path, skill: str, cases: Sequence[Case]) -> None:
 
 
 def count_outcomes(cases: Sequence[Case]) -> Counts:
-    """All executions of the cases."""
+    """Count all executions of the cases."""
     return _counts(cases, [case.outcomes for case in cases])
 
 
 def halves(cases: Sequence[Case]) -> tuple[Counts, Counts]:
-    """Every half of the executions of each case, and the other half of each, both of 2 n cases.
+    """Count each half of the executions of each case, and the opposite half of each, both as 2 n cases.
 
-    Neighbouring draws are in different halves.
+    Neighboring draws are in different halves.
     """
     even, odd = ([case.outcomes[start::2] for case in cases] for start in (0, 1))
     twice = [*cases, *cases]

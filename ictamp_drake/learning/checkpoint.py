@@ -1,4 +1,4 @@
-"""Files of what was learned: safetensors, and as metadata, in JSON, all that explains the numbers. Knows no torch."""
+"""Checkpoint files: trained arrays as safetensors, with JSON metadata that explains them. Works without torch."""
 
 import json
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ SHIPPED = Path(__file__).parent / "checkpoints"
 """Folder of the checkpoints that come with the package."""
 
 SKILLS = ("pick", "place")
-"""Each has networks of its own."""
+"""Skills, each with its own networks."""
 
 K_SCHEMA = {
     "version": 3,
@@ -29,7 +29,7 @@ K_SCHEMA = {
     "place": "x, y over half the top face's sides, z as (z - 0.010 m) / 0.012 m; yaw in radians",
     "networks": "also see the hand at k from the base, all objects from k, and what is free around the hand",
 }
-"""How networks read and write k; a new version of `learning.parameters` needs another one here."""
+"""Encoding of k in the networks; a new version of `learning.parameters` needs a new version here."""
 
 _METADATA = "ictamp_drake"
 Kind = Literal["policy", "estimator", "dynamics"]
@@ -43,15 +43,15 @@ Arrays = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """What was learned for one skill.
+    """Trained networks of one skill.
 
     Attributes:
-        kind: policy, with the critics that it was trained on, estimator of P, or dynamics.
-        skill: pick or place.
-        arrays: the numbers.
-        network: configuration of the networks.
-        provenance: command, fingerprint of the attempts, commit, and the like.
-        metrics: on held-out scenes.
+        kind: Kind of networks: a policy with the critics it was trained on, an estimator of P, or dynamics.
+        skill: Skill, pick or place.
+        arrays: Weights and other arrays of the networks, by name.
+        network: Configuration of the networks.
+        provenance: Command, fingerprint of the attempts, commit, and similar facts.
+        metrics: Figures on held-out scenes.
     """
 
     kind: Kind
@@ -62,7 +62,7 @@ class Checkpoint:
     metrics: Mapping[str, float]
 
     def save(self, folder: Path) -> Path:
-        """Write to a folder under the name by which it is found there."""
+        """Write to a folder, under the file name that `load` reads."""
         folder.mkdir(parents=True, exist_ok=True)
         metadata = {name: getattr(self, name) for name in ("kind", "skill", "network", "provenance", "metrics")}
         path = folder / name_of(self.kind, self.skill)
@@ -71,15 +71,16 @@ class Checkpoint:
 
 
 def name_of(kind: Kind, skill: str) -> str:
-    """Name of a checkpoint's file."""
+    """File name of a checkpoint."""
     return f"{skill}_{kind}.safetensors"
 
 
 def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
-    """The checkpoint of a skill in a folder.
+    """Load the checkpoint of a skill from a folder.
 
     Raises:
-        IctampError: the file is missing or damaged, holds something else, or was trained on another state matrix.
+        IctampError: The file is missing or damaged, holds something else, or was trained on another version of the
+            state matrix or of k.
     """
     path = folder / name_of(kind, skill)
     if not path.is_file():
@@ -123,24 +124,24 @@ def _check_metadata(found: _Metadata, kind: Kind, skill: str) -> None:
 
 
 def check_all(folder: Path, kind: Kind) -> None:
-    """Raise IctampError unless the checkpoints of all skills are there, see `load`."""
+    """Raise IctampError unless the checkpoints of all skills can be loaded, see `load`."""
     for skill in SKILLS:
         load(folder, kind, skill)
 
 
 def write(path: Path, arrays: Arrays, metadata: Mapping[str, Any]) -> None:
     """Write arrays, and metadata as JSON, to a file that appears whole or not at all."""
-    text = json.dumps(metadata)  # in one piece, since the order of several is different every time
+    text = json.dumps(metadata)  # as one entry, since the order of several entries varies
     with whole(path) as temporary:
         save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary, {_METADATA: text})
         temporary.chmod(0o644)
 
 
 def read(path: Path) -> tuple[Arrays, dict[str, Any]]:
-    """Arrays and metadata of a file.
+    """Read the arrays and metadata of a file.
 
     Raises:
-        IctampError: the file is damaged.
+        IctampError: The file is damaged.
     """
     try:
         with safe_open(path, framework="np") as file:

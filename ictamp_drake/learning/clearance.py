@@ -22,9 +22,9 @@ class Blocks(NamedTuple):
     """Upright boxes as seen from k; components come first, which is fastest.
 
     Attributes:
-        centre: shape (3, ...) [m].
-        heading: direction of the x axis in the horizontal plane, shape (2, ...).
-        half: half sides, shape (3, ...) [m].
+        centre: Position of the center, shape (3, ...) [m].
+        heading: Direction of the x axis in the horizontal plane, shape (2, ...).
+        half: Half sides, shape (3, ...) [m].
     """
 
     centre: Tensor
@@ -36,10 +36,10 @@ def clearances(hand: Tensor, heading: Tensor, box: Blocks, objects: Blocks) -> T
     """Distances of the parts from n times m objects, negative where they overlap, shape (4, n, m) [m].
 
     Args:
-        hand: position of G, shape (3, n) [m].
-        heading: of G's x axis, shape (2, n).
-        box: the box to grasp or the held one, n of them.
-        objects: n times m of them.
+        hand: Position of G, shape (3, n) [m].
+        heading: Direction of G's x axis in the horizontal plane, shape (2, n).
+        box: Boxes to grasp or held boxes, n of them.
+        objects: Objects to keep clear of, n times m of them.
     """
     shift, length, width, lower = _HAND.T[..., None]
     x, y, z = hand

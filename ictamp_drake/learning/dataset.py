@@ -1,7 +1,7 @@
-"""Recorded attempts at skills: Parquet files of rows, read back lazily, and what is learned from them.
+"""Recorded attempts at skills: Parquet files of rows, read back lazily, and the arrays that networks learn from.
 
-A folder holds any number of `*.parquet` files; together they are one table with the columns of `FIELDS`. A row holds c
-itself and the text of its scene, not the state matrix, so that a new schema of the matrix needs no new attempts.
+A folder holds any number of `*.parquet` files; together they form one table with the columns of `FIELDS`. A row holds c
+itself and the text of its scene, not the state matrix, so a new schema of the matrix needs no new attempts.
 """
 
 import json
@@ -65,13 +65,13 @@ class AttemptRow:
     """One attempt, before it is written.
 
     Attributes:
-        scene: number of the training scene.
-        spec: the scene as JSON.
-        state: number of c among those of its scene.
-        draw: number of the attempt among those from this c.
-        sampler: where k comes from.
-        c: where it started.
-        attempt: what came of it.
+        scene: Number of the training scene.
+        spec: Scene as JSON.
+        state: Number of c among those of its scene.
+        draw: Number of the attempt among those from this c.
+        sampler: Name of the source of k.
+        c: Configuration from which the attempt started.
+        attempt: Attempt, with its outcome.
     """
 
     scene: int
@@ -83,7 +83,7 @@ class AttemptRow:
     attempt: Attempt[Configuration]
 
     def values(self) -> dict[str, Any]:
-        """A value for each of `FIELDS`."""
+        """Values of all `FIELDS`, by name."""
         c, attempt, action = self.c, self.attempt, self.attempt.action
         after = attempt.successor
         return {
@@ -108,7 +108,7 @@ class AttemptRow:
 
 
 STAGES = ("sampling", "motion", "physics")
-"""Of an attempt, whose computing times are recorded."""
+"""Stages of an attempt whose computing times are recorded."""
 
 
 def write(rows: Sequence[AttemptRow], path: Path) -> None:
@@ -118,7 +118,7 @@ def write(rows: Sequence[AttemptRow], path: Path) -> None:
 
 
 def merge(paths: Sequence[Path], target: Path) -> None:
-    """Write the rows of several files, in the order of scene, state and draw, to one file."""
+    """Merge the rows of several files into one file, in order of scene, state and draw."""
     table = pa.concat_tables([pq.read_table(path, schema=FIELDS) for path in paths]).unify_dictionaries()
     _write(table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]), target)
 
@@ -132,16 +132,16 @@ def _write(table: pa.Table, path: Path) -> None:
             compression="zstd",
             compression_level=12,
             use_dictionary=words,
-            dictionary_pagesize_limit=2**26,  # a dictionary of scenes is large, and must never give way to plain text
+            dictionary_pagesize_limit=2**26,  # the dictionary of scenes is large and must never fall back to plain text
             write_statistics=["scene"],
         )
 
 
 def open_table(folder: Path) -> pads.Dataset:
-    """The table of a folder, of which nothing is read yet; columns and rows can be chosen by pyarrow's means.
+    """Open the table of a folder without reading it; pyarrow can then select columns and rows.
 
     Raises:
-        IctampError: there are no recorded attempts in the folder.
+        IctampError: There are no recorded attempts in the folder.
     """
     paths = sorted(path for path in folder.glob("*.parquet") if not path.name.startswith("."))
     if not paths:
@@ -176,21 +176,21 @@ def action(row: Mapping[str, Any]) -> Action:
 
 @dataclass(frozen=True, eq=False)
 class Attempts:
-    """What is learned from: n attempts.
+    """Arrays of n attempts, to learn from.
 
     Attributes:
-        matrix: primitive state matrices, shape (n, 8, D).
-        mask: shape (n, 8).
-        k: shape (n, 4).
-        success: whether the promised state was reached, shape (n,).
-        moved: (x, y, z, yaw) of the upright frame U of the action's box in c', in the target frame K of c, where its
-            tilt is left out; nan where c' is unknown, shape (n, 4) [m, rad].
-        executed: in physics, shape (n,); those that are not were refused by motion planning.
-        scene: number of the training scene, by which data are split, shape (n,).
-        state: number of c in its scene, shape (n,).
-        action: pick or place, shape (n,).
-        sampler: where k comes from, shape (n,).
-        failure: name of the failure, empty for a success, shape (n,).
+        matrix: Primitive state matrices, shape (n, 8, D).
+        mask: True where a row of the matrix holds an object, shape (n, 8).
+        k: Parameters of the skill, shape (n, 4).
+        success: Whether the promised state was reached, shape (n,).
+        moved: Pose (x, y, z, yaw) of the upright frame U of the action's box in c', in the target frame K of c, without
+            its tilt; nan where c' is unknown, shape (n, 4) [m, rad].
+        executed: Whether physics executed the attempt, shape (n,); motion planning refused all others.
+        scene: Number of the training scene, by which data are split, shape (n,).
+        state: Number of c in its scene, shape (n,).
+        action: Skill, pick or place, shape (n,).
+        sampler: Name of the source of k, shape (n,).
+        failure: Name of the failure, empty for a success, shape (n,).
     """
 
     matrix: NDArray[np.float32]
@@ -209,19 +209,19 @@ class Attempts:
         return len(self.k)
 
     def select(self, rows: NDArray[Any]) -> "Attempts":
-        """Some of the attempts, by a mask or by their numbers."""
+        """Select some of the attempts, by a mask or by their numbers."""
         return Attempts(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
 
 def load(folder: Path, skill: str | None = None) -> Attempts:
-    """All attempts of a folder that have a k, with their matrices in the schema of this version.
+    """Load all attempts of a folder that have a k, with their matrices in the current schema.
 
     Args:
-        folder: of Parquet files.
-        skill: pick or place; both by default.
+        folder: Folder of Parquet files.
+        skill: Skill, pick or place; both by default.
 
     Raises:
-        IctampError: there are no recorded attempts in the folder.
+        IctampError: There are no recorded attempts in the folder.
     """
     wanted = pads.field("k").is_valid()
     if skill is not None:
@@ -255,7 +255,7 @@ def _words(column: pa.Array) -> NDArray[np.str_]:
 
 
 def _observe(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
-    """The matrices of the rows, which are sorted by scene, and where their boxes went."""
+    """Compute the matrices of the rows, which are sorted by scene, and the new poses of their boxes."""
     rows = batch.select(["spec", "q", "poses", "held", "gripper", "action", "box", "place", "moved"]).to_pylist()
     seen = [_observe_scene(list(group)) for _, group in groupby(rows, key=itemgetter("spec"))]
     if not seen:
@@ -266,7 +266,7 @@ def _observe(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
 
 
 def _observe_scene(rows: Sequence[Mapping[str, Any]]) -> tuple[NDArray[Any], ...]:
-    """Matrices, masks and where the boxes went, of rows of one scene."""
+    """Compute the matrices, masks and new box poses of the rows of one scene."""
     watching, options = observer(rows[0]["spec"]), [(configuration(row), action(row)) for row in rows]
     X_WO = np.array([row["moved"] or [np.nan] * 7 for row in rows])
     return *watching.observe_all(options), watching.measure_moved_box(options, X_WO).astype(np.float32)
@@ -279,7 +279,7 @@ def observer(text: str) -> Observer:
 
 
 def fingerprint(folder: Path) -> str:
-    """Short hash of the attempts in a folder, the same in whatever files they lie."""
+    """Short hash of the attempts in a folder, independent of how they are split into files."""
     import hashlib  # noqa: PLC0415
 
     table = open_table(folder).to_table(columns=["scene", "state", "draw", "executed", "failure", "k"])

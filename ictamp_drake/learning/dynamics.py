@@ -1,4 +1,4 @@
-"""T(matrix, k): where an action's box is after a success, learned as what kinematics alone do not tell."""
+"""T(matrix, k): pose of an action's box after a success, learned as a correction of the kinematics."""
 
 import torch
 from torch import Tensor, nn
@@ -9,15 +9,16 @@ from ictamp_drake.observation.situations import LIFT
 from ictamp_drake.observation.state_matrix import SCHEMA
 
 SCALES = (0.01, 0.01, 0.01, 0.1)
-"""Of errors in x, y, z [m] and yaw [rad]."""
+"""Scales of errors in x, y, z [m] and yaw [rad]."""
 _HELD = 1
 """Row of the held box."""
 
 
 def nominal(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
-    """Where kinematics put the box: (x, y, z, yaw) of U in the target frame K, shape (n, 4) [m, rad].
+    """Pose of the box by kinematics alone: (x, y, z, yaw) of U in the target frame K, shape (n, 4) [m, rad].
 
-    Pick: it rises with the hand from where it stood. Place: its bottom's centre is at k, but on the receptacle's top.
+    Pick: the box rises with the hand from where it stood. Place: the center of its bottom face is at k, but at the
+    height of the receptacle's top face.
     """
     if skill == "pick":
         return k.new_tensor([0.0, 0.0, LIFT, 0.0]).expand(len(k), 4)
@@ -26,10 +27,10 @@ def nominal(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
 
 
 class Dynamics(nn.Module):
-    """Of one skill: the nominal pose and a residual that the network gives, its shift in the frame turned by k's yaw.
+    """Dynamics of one skill: the nominal pose plus a residual from the network, in the frame turned by k's yaw.
 
-    The box stays parallel to K but for yaw: that it may tilt a little between the fingers is neglected. Nothing else
-    moves in a success.
+    The box stays parallel to K except for yaw; a slight tilt between the fingers is neglected. Nothing else moves in a
+    success.
     """
 
     def __init__(self, skill: str, network: NetworkConfig) -> None:
@@ -41,15 +42,15 @@ class Dynamics(nn.Module):
     scales: Tensor
 
     def forward(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:
-        """(x, y, z, yaw) of U of the action's box in the target frame K of before.
+        """Predict (x, y, z, yaw) of U of the action's box, in the target frame K as it was before the action.
 
         Args:
-            matrix: shape (n, 8, D).
-            mask: shape (n, 8).
-            k: shape (n, 4).
+            matrix: Primitive state matrices, shape (n, 8, D).
+            mask: True where a row holds an object, shape (n, 8).
+            k: Parameters of the skill, shape (n, 4).
 
         Returns:
-            Shape (n, 4) [m, rad].
+            Poses, shape (n, 4) [m, rad].
         """
         rows, extra = parameters.network_inputs(self.skill, matrix, k)
         x, y, z, yaw = (self.network(rows, mask, extra).mean(dim=0) * self.scales).unbind(-1)

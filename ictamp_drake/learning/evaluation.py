@@ -1,4 +1,4 @@
-"""Calibration and test of trained networks."""
+"""Calibration and evaluation of trained networks."""
 
 import numpy as np
 import torch
@@ -11,7 +11,7 @@ from ictamp_drake.learning.metrics import metrics, platt
 
 
 def calibrate(classifier: Classifier, batch: Batch) -> None:
-    """Set Platt's numbers by held-out attempts."""
+    """Fit the two numbers of Platt's method to held-out attempts."""
     with torch.inference_mode():
         logits = classifier(batch.matrix, batch.mask, batch.k).numpy().astype(np.float64)
     slope, offset = platt(logits, _outcomes(batch))
@@ -19,17 +19,17 @@ def calibrate(classifier: Classifier, batch: Batch) -> None:
 
 
 def evaluate_classifier(classifier: Classifier, batch: Batch) -> dict[str, float]:
-    """Figures of `metrics` on held-out attempts."""
+    """Compute the figures of `metrics` on held-out attempts."""
     with torch.inference_mode():
         P = classifier.belief(batch.matrix, batch.mask, batch.k).mean.numpy().astype(np.float64)
     return metrics(P, _outcomes(batch))
 
 
 def evaluate_dynamics(dynamics: Dynamics, batch: Batch) -> dict[str, float]:
-    """How far boxes of held-out successes are from where dynamics put them, and from where kinematics alone do.
+    """Measure the errors of predicted box poses on held-out successes, by dynamics and by kinematics alone.
 
     Returns:
-        Count n; mean and median of position errors [m] and of yaw errors [rad], of both.
+        Count n; mean and median of position errors [m] and of yaw errors [rad], for both predictions.
     """
     with torch.inference_mode():
         found = {

@@ -1,4 +1,4 @@
-"""How good probabilities are, and Platt's calibration."""
+"""Quality of estimated probabilities, and Platt's calibration."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ BINS = 15
 
 
 def metrics(P: FloatArray, success: FloatArray) -> dict[str, float]:
-    """Of probabilities against outcomes of 0 and 1, both of shape (n,).
+    """Compare probabilities with outcomes of 0 and 1, both of shape (n,).
 
     Returns:
         Count n and base rate; AUC; Brier score and its skill, 1 - Brier / Brier of the base rate; ECE; log loss.
@@ -30,13 +30,13 @@ def metrics(P: FloatArray, success: FloatArray) -> dict[str, float]:
 
 
 def calibration_error(P: FloatArray, success: FloatArray) -> float:
-    """ECE: mean distance of probability and frequency over bins, see `bins`."""
+    """Expected calibration error (ECE): mean distance of probability and frequency over bins, see `bins`."""
     surplus = np.bincount(bins(P, np.ones(len(P))), P - success)
     return float(np.abs(surplus).sum() / len(P))
 
 
 def bins(P: FloatArray, attempts: FloatArray) -> NDArray[np.intp]:
-    """The bin of each case, shape (n,): as many attempts in each as can be without parting equal estimates."""
+    """Bin of each case, shape (n,); bins hold equal numbers of attempts, as far as equal estimates stay together."""
     values, place = np.unique(P, return_inverse=True)
     mass = np.bincount(place, attempts, len(values))
     middle = (np.cumsum(mass) - mass / 2) / mass.sum()
@@ -44,11 +44,11 @@ def bins(P: FloatArray, attempts: FloatArray) -> NDArray[np.intp]:
 
 
 def platt(logits: FloatArray, success: FloatArray) -> tuple[float, float]:
-    """Slope and offset with which the mean over members of sigmoid(slope * logit + offset) is most likely.
+    """Fit slope and offset by maximum likelihood of the mean over members of sigmoid(slope * logit + offset).
 
     Args:
-        logits: shape (members, n).
-        success: 0 or 1, shape (n,).
+        logits: Logits of the members, shape (members, n).
+        success: Outcomes, 0 or 1, shape (n,).
     """
 
     def cost(numbers: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""Trained networks from their checkpoints, ready for use."""
+"""Trained networks, loaded from their checkpoints and ready for use."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -27,13 +27,13 @@ Module = TypeVar("Module", bound=nn.Module)
 
 @dataclass(frozen=True, eq=False)
 class SkillModel:
-    """What was learned of one skill: the policy π(k | matrix) and the critics Q(matrix, k)."""
+    """Trained networks of one skill: the policy π(k | matrix) and the critics Q(matrix, k)."""
 
     policy: Policy
     critic: Classifier
 
     def draw(self, observation: Observation, count: int, rng: np.random.Generator) -> FloatArray:
-        """So many k for each of n situations, shape (n, count, 4)."""
+        """Draw `count` parameters k for each of n situations, shape (n, count, 4)."""
         matrix, mask = tensors(observation)
         noise = torch.Generator().manual_seed(int(rng.integers(2**63)))
         with torch.inference_mode():
@@ -41,7 +41,7 @@ class SkillModel:
         return k.numpy().astype(np.float64)
 
     def Q(self, observation: Observation, k: FloatArray) -> FloatArray:
-        """Estimated success of each k, shape (n, m, 4) -> (n, m)."""
+        """Estimated probability of success of each k, shape (n, m, 4) -> (n, m)."""
         with torch.inference_mode():
             belief = self.critic.beliefs(*tensors(observation), torch.from_numpy(k.astype(np.float32)))
         return belief.mean.numpy().astype(np.float64)
@@ -49,9 +49,9 @@ class SkillModel:
 
 @dataclass(frozen=True, eq=False)
 class EstimatorModel:
-    """What was learned of the success of one skill: P(matrix), the mean of critics over the policy's k.
+    """Trained estimator of one skill's success: P(matrix), the mean of critics over the policy's k.
 
-    Its critics were trained on outcomes of the policy, after it, and are not those that the policy was trained with.
+    Its critics were trained after the policy, on its outcomes. They are not the critics that the policy learned from.
     """
 
     policy: Policy
@@ -61,9 +61,9 @@ class EstimatorModel:
         """P of n situations and the disagreement of the ensemble's members, shape (2, n).
 
         Args:
-            observation: the situations.
-            draws: k that the mean is taken over, see `Mixture.spread`.
-            tries: k that a step draws at most, see `Classifier.probability_of_any`.
+            observation: State matrices of the situations.
+            draws: Number of k in the mean, see `Mixture.spread`.
+            tries: Maximum number of k that a step draws, see `Classifier.probability_of_any`.
         """
         matrix, mask = tensors(observation)
         with torch.inference_mode():
@@ -74,7 +74,7 @@ class EstimatorModel:
 
 @dataclass(frozen=True, eq=False)
 class DynamicsModel:
-    """What was learned of what one skill does to the box: T(matrix, k)."""
+    """Trained dynamics of the box in one skill: T(matrix, k)."""
 
     dynamics: Dynamics
 
@@ -91,25 +91,25 @@ def tensors(observation: Observation) -> tuple[torch.Tensor, torch.Tensor]:
 
 
 def load_skill(folder: Path, skill: str, kind: Kind = "policy") -> SkillModel:
-    """The trained policy of a skill, with the critics that it was trained on or, of the kind "estimator", those of P.
+    """Load the policy of a skill, with the critics it was trained on or, for the kind "estimator", those of P.
 
     Raises:
-        IctampError: see `checkpoint.load`.
+        IctampError: The checkpoint cannot be loaded, see `checkpoint.load`.
     """
     return SkillModel(*_policy_and_critic(folder, kind, skill))
 
 
 def load_estimator(folder: Path, skill: str) -> EstimatorModel:
-    """The trained estimator of P of a skill.
+    """Load the trained estimator of P of a skill.
 
     Raises:
-        IctampError: see `checkpoint.load`.
+        IctampError: The checkpoint cannot be loaded, see `checkpoint.load`.
     """
     return EstimatorModel(*_policy_and_critic(folder, "estimator", skill))
 
 
 def _version(path: Path) -> tuple[int, ...]:
-    """What changes when a file does; empty when there is none."""
+    """Version of a file, which changes when the file does; empty when there is no file."""
     if not path.exists():
         return ()
     found = path.stat()
@@ -141,10 +141,10 @@ def _load_cached(folder: Path, kind: Kind, skill: str, _: tuple[int, ...]) -> tu
 
 
 def load_dynamics(folder: Path, skill: str) -> DynamicsModel:
-    """The trained dynamics of a skill.
+    """Load the trained dynamics of a skill.
 
     Raises:
-        IctampError: see `checkpoint.load`.
+        IctampError: The checkpoint cannot be loaded, see `checkpoint.load`.
     """
     return _load_dynamics_cached(folder, skill, _version(folder / name_of("dynamics", skill)))
 

@@ -11,7 +11,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.observation.state_matrix import ROWS
 
 ROLES = 3
-"""The first rows of a matrix, each of which has a role of its own; the rows after them are a set."""
+"""Number of the first rows of a matrix, each of which has its own role; the rows after them are a set."""
 
 
 @dataclass(frozen=True)
@@ -19,10 +19,10 @@ class NetworkConfig:
     """Size of a network.
 
     Attributes:
-        kind: set, which reads the rows without a role as a set; flat, which reads the matrix as one long vector, as the
-            networks of STAP do.
-        members: networks in the ensemble.
-        width: of the hidden layers.
+        kind: Kind of network: `set` reads the rows without a role as a set; `flat` reads the matrix as one long vector,
+            as the networks of STAP do.
+        members: Number of networks in the ensemble.
+        width: Width of the hidden layers.
     """
 
     kind: Literal["set", "flat"] = "set"
@@ -34,7 +34,7 @@ class NetworkConfig:
         check_range("width", self.width, 1, 4096)
 
     def create(self, columns: int, extra: int, outputs: int) -> "SetNetwork | FlatNetwork":
-        """A network for matrices of so many columns and vectors of so many extra numbers."""
+        """Create a network that reads matrices of `columns` columns and vectors of `extra` numbers."""
         network = SetNetwork if self.kind == "set" else FlatNetwork
         return network(self.members, columns, extra, self.width, outputs)
 
@@ -49,14 +49,14 @@ class Linear(nn.Module):
         self.bias = nn.Parameter(torch.zeros(members, 1, outputs))
 
     def forward(self, x: Tensor) -> Tensor:
-        """The layer's outputs."""
+        """Compute the layer's outputs."""
         return torch.baddbmm(self.bias, x.expand(len(self.weight), -1, -1), self.weight)
 
 
 class SetNetwork(nn.Module):
-    """Rows with a role are read side by side, the others as a set, each in the light of the rows with a role.
+    """Network that reads the rows with a role side by side, and the others as a set, conditioned on those with a role.
 
-    The order of the other rows makes no difference, and what stands in absent rows neither: they are masked.
+    Neither the order of the other rows nor the contents of absent rows make a difference: absent rows are masked.
     """
 
     def __init__(self, members: int, columns: int, extra: int, width: int, outputs: int) -> None:
@@ -70,15 +70,15 @@ class SetNetwork(nn.Module):
         self.head_2 = Linear(members, width, outputs)
 
     def forward(self, rows: Tensor, mask: Tensor, extra: Tensor) -> Tensor:
-        """Outputs of all members.
+        """Compute the outputs of all members.
 
         Args:
-            rows: shape (n, 8, columns).
+            rows: Rows of the matrices, shape (n, 8, columns).
             mask: True where a row holds an object, shape (n, 8).
-            extra: shape (n, extra).
+            extra: Vectors of extra numbers, shape (n, extra).
 
         Returns:
-            Shape (members, n, outputs).
+            Outputs, shape (members, n, outputs).
         """
         count, present = len(rows), mask.to(rows.dtype)[..., None]
         roles = torch.cat([(rows[:, :ROLES] * present[:, :ROLES]).flatten(1), present[:, :ROLES, 0], extra], dim=1)
@@ -92,7 +92,7 @@ class SetNetwork(nn.Module):
 
 
 class FlatNetwork(nn.Module):
-    """Two hidden layers over the flattened matrix, the network of STAP's actors and critics."""
+    """Two hidden layers over the flattened matrix, as in STAP's actors and critics."""
 
     def __init__(self, members: int, columns: int, extra: int, width: int, outputs: int) -> None:
         super().__init__()
@@ -101,6 +101,6 @@ class FlatNetwork(nn.Module):
         self.head = Linear(members, width, outputs)
 
     def forward(self, rows: Tensor, mask: Tensor, extra: Tensor) -> Tensor:
-        """Outputs of all members, see `SetNetwork.forward`."""
+        """Compute the outputs of all members, see `SetNetwork.forward`."""
         flat = (rows * mask.to(rows.dtype)[..., None]).flatten(1)
         return self.head(relu_(self.layer_2(relu_(self.layer_1(torch.cat([flat, extra], dim=1)[None])))))

@@ -1,4 +1,4 @@
-"""What is minimised: the cross entropy of a classifier, the loss of a policy, and the error of dynamics."""
+"""Training objectives: the cross entropy of a classifier, the loss of a policy, and the error of dynamics."""
 
 import copy
 from dataclasses import dataclass
@@ -17,32 +17,32 @@ from ictamp_drake.learning.policies import Policy, PolicyNetworkConfig
 
 
 class Objective(Protocol):
-    """What a training run minimises."""
+    """Objective that a training run minimizes."""
 
     @property
     def skill(self) -> str:
-        """Pick or place."""
+        """Name of the skill, pick or place."""
 
     @property
     def module(self) -> nn.Module:
-        """All that is trained."""
+        """Module that holds everything to be trained."""
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
-        """What the gradient is taken of, a scalar."""
+        """Compute the loss, a scalar, to differentiate."""
 
     def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
-        """Figures on held-out attempts; the least `loss` is best."""
+        """Compute figures on held-out attempts; the lowest `loss` is best."""
 
 
 class Classification:
-    """Cross entropy of the outcomes, each member of the ensemble for itself."""
+    """Cross entropy of the outcomes, separate for each member of the ensemble."""
 
     def __init__(self, classifier: Classifier) -> None:
         self.skill = classifier.skill
         self.module = classifier
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:  # noqa: ARG002  (nothing is random)
-        """Mean over members and attempts, weighted."""
+        """Weighted mean over members and attempts."""
         logits = self.module(batch.matrix, batch.mask, batch.k)
         return cross_entropy(logits, batch.success.expand_as(logits), weight=batch.weight.T)
 
@@ -53,7 +53,7 @@ class Classification:
 
 
 class PoseRegression:
-    """Error of dynamics in units of its scales, with little weight on the few boxes that went quite elsewhere.
+    """Error of dynamics in units of its scales, with little weight on the few boxes that ended up far away.
 
     All attempts must be successes.
     """
@@ -68,24 +68,25 @@ class PoseRegression:
         return nn.functional.smooth_l1_loss(scaled, torch.zeros_like(scaled), beta=0.1)
 
     def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
-        """The same loss."""
+        """The same loss, on held-out attempts."""
         return {"loss": self.loss(batch, generator).item()}
 
 
 @dataclass(frozen=True)
 class PolicyTraining:
-    """What a policy is and what it is praised for.
+    """Network of a policy and objective of its training.
 
-    The default imitates what succeeded and seeks what the critics, looked at with caution, find good. With
-    `--policy.network.kind squashed --policy.imitation 0 --policy.entropy -4` it is the actor of STAP's soft
-    actor-critic, trained off-line: from recorded attempts, after its critics and not together with them.
+    By default, the policy imitates successful k and seeks k that the critics rate highly, minus a margin for caution.
+    With `--policy.network.kind squashed --policy.imitation 0 --policy.entropy -4` it is the actor of STAP's soft
+    actor-critic, trained offline: from recorded attempts, after its critics and not together with them.
 
     Attributes:
-        network: class and size.
-        imitation: weight of the negative log-likelihood of the k that succeeded, over the four numbers of k.
-        caution: standard deviations of the critics that are taken off their mean; with two, 1 is their minimum.
-        temperature: price of the log-density of draws, at first when there is a target entropy.
-        entropy: target of the policy's entropy; None keeps the temperature as it is.
+        network: Class and size of the policy.
+        imitation: Weight of the negative log-likelihood of successful k, averaged over the four numbers of k.
+        caution: Number of standard deviations of the critics subtracted from their mean; with two critics, 1 gives
+            their minimum.
+        temperature: Weight of the log-density of draws; only the initial weight when there is a target entropy.
+        entropy: Target of the policy's entropy; None keeps the temperature constant.
     """
 
     network: PolicyNetworkConfig = PolicyNetworkConfig()
@@ -100,7 +101,7 @@ class PolicyTraining:
 
 
 class _Tempered(nn.Module):
-    """A policy with the temperature it is trained at."""
+    """A policy with the temperature of its training."""
 
     def __init__(self, policy: Policy, temperature: float) -> None:
         super().__init__()
@@ -119,14 +120,14 @@ class Improvement:
         self._config = config
 
     def loss(self, batch: Batch, generator: torch.Generator) -> Tensor:
-        """Of the policy and of its temperature."""
+        """Loss of the policy and of its temperature."""
         loss, log_density = self._parts(batch, generator)
         if self._config.entropy is not None:
             loss = loss - self.module.log_temperature * (log_density.detach().mean() + self._config.entropy)
         return loss
 
     def validate(self, batch: Batch, generator: torch.Generator) -> dict[str, float]:
-        """The loss, and the critics' mean for one draw in each situation."""
+        """The loss, the critics' mean over four draws in each situation, and the policy's entropy."""
         matrix, mask = batch.matrix, batch.mask
         k = parameter(self.skill, matrix, self.policy.draw(matrix, mask, 4, generator))
         belief = self._critic.beliefs(matrix, mask, k)
@@ -134,7 +135,7 @@ class Improvement:
         return {"loss": float(loss), "Q": float(belief.mean.mean()), "entropy": -float(log_density.mean())}
 
     def _parts(self, batch: Batch, generator: torch.Generator) -> tuple[Tensor, Tensor]:
-        """The policy's loss, and the mean log-density of its draws, shape (n,)."""
+        """Loss of the policy, and the mean log-density of its draws, shape (n,)."""
         config, skill, matrix, mask = self._config, self.skill, batch.matrix, batch.mask
         u, log_density, weight = self.policy.branches(matrix, mask, generator)
         belief = self._critic.beliefs(matrix, mask, parameter(skill, matrix, u))

@@ -1,4 +1,4 @@
-"""π(k | matrix): stochastic policies of one skill, from which k is drawn in batches."""
+"""π(k | matrix): stochastic policies of one skill, which draw k in batches."""
 
 import math
 from dataclasses import dataclass
@@ -20,9 +20,10 @@ class PolicyNetworkConfig:
     """Class and size of a policy.
 
     Attributes:
-        kind: mixture, of Gaussians, since there are several ways to grasp a box; squashed, STAP's Gaussian under tanh.
-        components: of the mixture.
-        network: what it computes its numbers with; there is one member.
+        kind: Class of policy: `mixture` of Gaussians, for the several ways to grasp a box; `squashed`, STAP's Gaussian
+            under tanh.
+        components: Number of components of the mixture.
+        network: Network that computes the parameters of the distribution; it must have one member.
     """
 
     kind: Literal["mixture", "squashed"] = "mixture"
@@ -34,17 +35,17 @@ class PolicyNetworkConfig:
         check_range("policy.network.network.members", self.network.members, 1, 1)
 
     def create(self, skill: str) -> "Mixture | Squashed":
-        """The policy of one skill."""
+        """Create the policy of one skill."""
         return Mixture(skill, self) if self.kind == "mixture" else Squashed(self)
 
 
 class Branches(NamedTuple):
-    """One draw from each component, differentiable in the policy's numbers.
+    """One draw from each component, differentiable with respect to the weights of the policy's network.
 
     Attributes:
-        u: normalised k, shape (n, components, 4).
-        log_density: of u under the whole policy, shape (n, components).
-        weight: probability of the component, shape (n, components).
+        u: Normalized k, shape (n, components, 4).
+        log_density: Log-density of u under the whole policy, shape (n, components).
+        weight: Probability of the component, shape (n, components).
     """
 
     u: Tensor
@@ -56,7 +57,7 @@ class Mixture(nn.Module):
     """Mixture of Gaussians over position, wrapped around the circle over yaw."""
 
     log_std = (-6.0, 1.0)
-    """Least and greatest logarithm of a standard deviation."""
+    """Lowest and highest logarithm of a standard deviation."""
 
     def __init__(self, skill: str, config: PolicyNetworkConfig) -> None:
         super().__init__()
@@ -74,17 +75,17 @@ class Mixture(nn.Module):
         return raw[..., 0].log_softmax(dim=-1), torch.cat([raw[..., 1:4], yaw], dim=-1), std
 
     def branches(self, matrix: Tensor, mask: Tensor, generator: torch.Generator) -> Branches:
-        """One draw from each component."""
+        """Draw once from each component."""
         log_weight, mean, std = numbers = self._numbers(matrix, mask)
         u = _wrap_yaw(mean + std * torch.randn(mean.shape, generator=generator))
         return Branches(u, _log_density(numbers, u), log_weight.exp())
 
     def log_density(self, matrix: Tensor, mask: Tensor, u: Tensor) -> Tensor:
-        """Of u, shape (n, m, 4) -> (n, m)."""
+        """Log-density of u, shape (n, m, 4) -> (n, m)."""
         return _log_density(self._numbers(matrix, mask), u)
 
     def draw(self, matrix: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
-        """u of so many draws in each situation, shape (n, count, 4)."""
+        """Draw `count` samples of u in each situation, shape (n, count, 4)."""
         log_weight, mean, std = self._numbers(matrix, mask)
         chosen = torch.multinomial(log_weight.exp(), count, replacement=True, generator=generator)[..., None]
         chosen = chosen.expand(-1, -1, 4)
@@ -92,7 +93,7 @@ class Mixture(nn.Module):
         return _wrap_yaw(mean.gather(1, chosen) + std.gather(1, chosen) * noise)
 
     def spread(self, matrix: Tensor, mask: Tensor, count: int) -> Tensor:
-        """u that stand for the whole distribution, always the same ones, shape (n, count, 4)."""
+        """Fixed set of u that represents the whole distribution, without randomness, shape (n, count, 4)."""
         log_weight, mean, std = self._numbers(matrix, mask)
         points = _even_points(count, 5)
         cumulated = log_weight.exp().cumsum(dim=1)
@@ -103,7 +104,7 @@ class Mixture(nn.Module):
 
 @lru_cache
 def _even_points(count: int, dimensions: int) -> Tensor:
-    """Points spread evenly over the unit cube, its faces excluded, shape (count, dimensions)."""
+    """Points spread evenly over the interior of the unit cube, shape (count, dimensions)."""
     engine = torch.quasirandom.SobolEngine(dimensions, scramble=True, seed=0)  # type: ignore[no-untyped-call]
     return engine.draw(count).clamp(1e-6, 1 - 1e-6)
 
@@ -113,7 +114,7 @@ def _wrap_yaw(u: Tensor) -> Tensor:
 
 
 def _log_density(numbers: tuple[Tensor, Tensor, Tensor], u: Tensor) -> Tensor:
-    """Of a mixture at u, shape (n, m, 4) -> (n, m); yaw a turn away counts too, which is enough for narrow ones."""
+    """Log-density of a mixture at u, shape (n, m, 4) -> (n, m); yaw counts up to one turn away, enough if narrow."""
     log_weight, mean, std = (each[:, None] for each in numbers)
     error = (u[:, :, None] - mean) / std
     turns = (wrap_angle(u[:, :, None, 3:] - mean[..., 3:]) + 2 * math.pi * torch.arange(-1, 2)) / std[..., 3:]
@@ -123,7 +124,7 @@ def _log_density(numbers: tuple[Tensor, Tensor, Tensor], u: Tensor) -> Tensor:
 
 
 class Squashed(nn.Module):
-    """STAP's actor: one Gaussian whose draws go through tanh, so that all of k keeps within its range."""
+    """STAP's actor: one Gaussian whose draws pass through tanh, so that all of k stays within its range."""
 
     log_std = (-5.0, 2.0)
 
@@ -140,13 +141,13 @@ class Squashed(nn.Module):
         return raw[..., :4], raw[..., 4:].clamp(*self.log_std).exp()
 
     def branches(self, matrix: Tensor, mask: Tensor, generator: torch.Generator) -> Branches:
-        """One draw from the only component."""
+        """Draw once from the only component."""
         mean, std = self._numbers(matrix, mask)
         free = mean + std * torch.randn(mean.shape, generator=generator)
         return Branches(self.scale * free.tanh(), self._density(mean, std, free), torch.ones_like(free[..., 0]))
 
     def log_density(self, matrix: Tensor, mask: Tensor, u: Tensor) -> Tensor:
-        """Of u, shape (n, m, 4) -> (n, m); what lies outside the range is moved to its edge."""
+        """Log-density of u, shape (n, m, 4) -> (n, m); values outside the range are moved to its edge."""
         mean, std = self._numbers(matrix, mask)
         return self._density(mean, std, (u / self.scale).clamp(-0.999, 0.999).atanh())
 
@@ -156,13 +157,13 @@ class Squashed(nn.Module):
         return (log_normal - log_slope).sum(dim=-1)
 
     def draw(self, matrix: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
-        """u of so many draws in each situation, shape (n, count, 4)."""
+        """Draw `count` samples of u in each situation, shape (n, count, 4)."""
         mean, std = self._numbers(matrix, mask)
         noise = torch.randn((len(mean), count, 4), generator=generator)
         return self.scale * (mean + std * noise).tanh()
 
     def spread(self, matrix: Tensor, mask: Tensor, count: int) -> Tensor:
-        """u that stand for the whole distribution, see `Mixture.spread`."""
+        """Fixed set of u that represents the whole distribution, see `Mixture.spread`."""
         mean, std = self._numbers(matrix, mask)
         return self.scale * (mean + std * torch.special.ndtri(_even_points(count, 4))).tanh()
 

@@ -1,8 +1,8 @@
-"""Situations that are the same in another description: what is learned from one holds for all of them.
+"""Equivalent descriptions of a situation: what is learned from one of them holds for all.
 
-The x axis of a box's upright frame U may point out of any of its four sides, and that of a support too; turning it by
-quarter turns about z changes the numbers and nothing else. And what the arm does on its left it does on its right, but
-for the limits of its last joint, which are not the same to both sides: the mirror image holds nearly always.
+The x axis of the upright frame U of a box or a support may point out of any of its four sides; quarter turns about z
+change the numbers and nothing else. The arm also does on its right what it does on its left, except for the limits of
+its last joint, which are not symmetric: the mirror image nearly always holds.
 """
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ _QUARTER = torch.pi / 2
 
 
 def vary_description(skill: str, batch: Batch, generator: torch.Generator) -> Batch:
-    """Another description of each attempt at a skill, drawn at random."""
+    """Draw another description of each attempt at a skill."""
     batch = turn_frames(skill, batch, torch.randint(4, (len(batch), ROWS), generator=generator))
     image = mirror(batch)
     flipped = torch.rand((len(batch), 1), generator=generator) < 0.5
@@ -33,7 +33,7 @@ def vary_description(skill: str, batch: Batch, generator: torch.Generator) -> Ba
 
 
 def turn_frames(skill: str, batch: Batch, turns: Tensor) -> Batch:
-    """The frames of all objects turned about their z axes by so many quarter turns, shape (n, 8)."""
+    """Turn the frames of all objects about their z axes, by numbers of quarter turns of shape (n, 8)."""
     matrix, angle = batch.matrix.clone(), turns * _QUARTER
     for group in (_BASE, _TARGET, _HAND):
         p, x, y = _split(matrix[..., group])
@@ -53,7 +53,7 @@ def turn_frames(skill: str, batch: Batch, turns: Tensor) -> Batch:
 
 
 def mirror(batch: Batch) -> Batch:
-    """The mirror image in the vertical plane through the arm's base that its x axis lies in."""
+    """Mirror image in the vertical plane that contains the x axis of the arm's base frame."""
     signs = batch.matrix.new_ones(SCHEMA.width)
     for group in (_BASE, _TARGET, _HAND):
         signs[group] = signs.new_tensor([1, -1, 1, 1, -1, 1, -1, 1, -1])
@@ -67,12 +67,12 @@ def _split(pose: Tensor) -> tuple[Tensor, Tensor, Tensor]:
 
 
 def _turn_poses(pose: Tensor, about: Tensor, turn: Tensor) -> Tensor:
-    """Poses (x, y, z, yaw), shape (n, 4), whose positions are turned about z, and whose yaw is by another angle."""
+    """Turn the positions of poses (x, y, z, yaw), shape (n, 4), about z, and add another angle to their yaw."""
     return torch.cat([_turn_about_z(pose[:, :3], about), wrap_angle(pose[:, 3:] + turn[:, None])], dim=-1)
 
 
 def _turn_about_z(vectors: Tensor, angle: Tensor) -> Tensor:
-    """Vectors, shape (..., 3), turned about z by angles of shape (...)."""
+    """Turn vectors, shape (..., 3), about z by angles of shape (...)."""
     x, y, z = vectors.unbind(-1)
     cos, sin = angle.cos(), angle.sin()
     return torch.stack([cos * x - sin * y, sin * x + cos * y, z], dim=-1)

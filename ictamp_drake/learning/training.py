@@ -1,4 +1,4 @@
-"""The training loop: epochs with early stopping, which goes on where it was interrupted as if it had not been."""
+"""The training loop: epochs with early stopping. An interrupted run continues with exactly the same result."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ Figures = dict[str, float]
 
 
 class Data(NamedTuple):
-    """Attempts to learn from, and others to stop early by."""
+    """Attempts for training, and others for early stopping."""
 
     training: Batch
     validation: Batch
@@ -32,17 +32,17 @@ class Data(NamedTuple):
 
 @dataclass(frozen=True)
 class FitConfig:
-    """How a network is trained.
+    """Settings for training a network.
 
     Attributes:
-        epochs: passes over the attempts at most.
-        batch: attempts in a step.
-        rate: learning rate at the start; it falls along half a cosine.
-        decay: weight decay.
-        clip: largest norm of a gradient.
-        vary: describe every attempt anew whenever it is seen, see `symmetry`.
-        patience: epochs without a better validation loss after which training ends.
-        seed: of starting weights, order, bootstraps and noise.
+        epochs: Maximum number of passes over the attempts.
+        batch: Number of attempts in a step.
+        rate: Initial learning rate; it falls along half a cosine.
+        decay: Weight decay.
+        clip: Maximum norm of a gradient.
+        vary: Whether to draw another description of every attempt each time it is used, see `symmetry`.
+        patience: Number of epochs without a better validation loss after which training ends.
+        seed: Random seed of initial weights, order, bootstraps and noise.
     """
 
     epochs: int = 100
@@ -61,13 +61,13 @@ class FitConfig:
 
 
 def seeded_generator(seed: int, *keys: int) -> torch.Generator:
-    """A generator of torch for the training stream."""
+    """Create a torch generator for the training stream."""
     number = generator(Stream.TRAINING, seed, *keys).integers(2**63)
     return torch.Generator().manual_seed(int(number))
 
 
 def start(seed: int) -> None:
-    """Seed the starting weights, and keep to one thread, which is fastest for small networks and always the same."""
+    """Seed the initial weights, and use one thread, which is fastest for small networks and reproducible."""
     torch.set_num_threads(1)
     torch.manual_seed(int(generator(Stream.TRAINING, seed).integers(2**63)))
 
@@ -76,11 +76,11 @@ class Fit:
     """One training run with its folder.
 
     Args:
-        objective: what is minimised; its module is trained in place and ends with the best weights.
-        data: attempts.
-        config: how.
-        folder: holds the state after each epoch, from which the run goes on, and the log of epochs.
-        purpose: all else that the result depends on; a folder of another purpose is refused.
+        objective: Objective to minimize; its module is trained in place and ends with the best weights.
+        data: Attempts for training and for validation.
+        config: Settings of the training.
+        folder: Folder of the state after each epoch, from which the run continues, and of the log of epochs.
+        purpose: Everything else that the result depends on; a folder with another purpose is refused.
     """
 
     def __init__(
@@ -96,20 +96,20 @@ class Fit:
 
     @property
     def best_epoch(self) -> int:
-        """Number of the epoch with the least validation loss, from 0."""
+        """Number of the epoch with the lowest validation loss, from 0; -1 before the first."""
         return int(np.argmin([figures["loss"] for figures in self.history])) if self.history else -1
 
     @property
     def finished(self) -> bool:
-        """No further epoch is needed."""
+        """Whether no further epoch is needed."""
         epochs, config = len(self.history), self._config
         return epochs >= config.epochs or epochs - 1 - self.best_epoch >= config.patience
 
     def run(self, report: Callable[[Figures], None] = lambda _: None) -> bool:
-        """Train until finished; False when Ctrl-C came before. The module then has the best weights so far.
+        """Train until finished or until Ctrl-C, and return whether it finished. The module ends with the best weights.
 
         Raises:
-            IctampError: the folder holds another training run or a damaged one.
+            IctampError: The folder holds another training run or a damaged one.
         """
         self._restore()
         try:
@@ -150,7 +150,7 @@ class Fit:
             self._best = _copy_state(module.state_dict())
 
     def _save(self) -> None:
-        """Weights, best weights and the optimiser's moments in one file."""
+        """Save weights, best weights and the optimizer's moments in one file."""
         moments = {
             f"moments.{index}.{name}": value
             for index, state in self._optimizer.state_dict()["state"].items()

@@ -1,7 +1,6 @@
 """The arm alone: forward kinematics, inverse kinematics, straight lines of the hand."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -11,10 +10,10 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 
-from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, HOME
 from ictamp_drake.models.kinematics import forward
+from ictamp_drake.motion.config import KinematicsConfig
 from ictamp_drake.motion.postures import postures
 from ictamp_drake.world.build import add_panda
 
@@ -28,57 +27,6 @@ _ROUNDS = 4
 
 _LINES = 15
 """Lines that are remembered: whether there is one is often asked before it is taken."""
-
-
-@dataclass(frozen=True)
-class KinematicsConfig:
-    """How inverse kinematics is solved.
-
-    Attributes:
-        joint_margin: distance kept from the joint limits [rad].
-        last_step: between the angles of the last joint at which postures are looked at [rad].
-        travel_step: the same when only the time to a posture is asked for [rad].
-        guess_weight: cost of the distance from the guess; larger gives solutions nearer to it.
-        comfort_weight: cost of the distance from the arm's comfortable configuration.
-        attempts: postures tried, the cheapest first.
-        apart: least difference of a joint between those tried [rad].
-        line_step: longest step of the hand along a straight line [m]; turns count as `line_radius` times the angle.
-        line_radius: [m].
-        line_tolerance: of G's position along each axis [m] and of its direction [rad].
-        line_joint_step: longest change of a joint within one step; more is a jump to another posture [rad].
-        line_iterations: Newton steps for one point of the line.
-    """
-
-    joint_margin: float = 0.02
-    last_step: float = 0.05
-    travel_step: float = 0.1
-    guess_weight: float = 1.0
-    comfort_weight: float = 0.1
-    attempts: int = 12
-    apart: float = 0.3
-    line_step: float = 0.02
-    line_radius: float = 0.1
-    line_tolerance: float = 1e-4
-    line_joint_step: float = 0.3
-    line_iterations: int = 8
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            "skills.motion.kinematics",
-            joint_margin=(0, 1),
-            last_step=(1e-3, 6),
-            travel_step=(1e-3, 6),
-            guess_weight=(0, 1e6),
-            comfort_weight=(0, 1e6),
-            attempts=(1, 1e6),
-            apart=(0, 6),
-            line_step=(1e-4, 1),
-            line_radius=(0, 10),
-            line_tolerance=(1e-9, 0.1),
-            line_joint_step=(1e-3, 6),
-            line_iterations=(1, 1e4),
-        )
 
 
 class ArmKinematics:

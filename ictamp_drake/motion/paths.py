@@ -1,46 +1,15 @@
 """Collision-free paths by sampling: RRT-Connect of the Open Motion Planning Library."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from ompl import base, geometric, util
 
-from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
+from ictamp_drake.motion.config import PathConfig
 
 util.setLogLevel(util.LOG_NONE)
-
-
-@dataclass(frozen=True)
-class PathConfig:
-    """How a path is searched.
-
-    Attributes:
-        margin: how far joints may go beyond the range between start and end [rad].
-        edge: longest edge of the trees [rad].
-        step: distance between checked points of an edge [rad].
-        max_checks: configurations checked before the search gives up.
-        shortcuts: attempts to shorten the path found.
-    """
-
-    margin: float = 0.8
-    edge: float = 0.6
-    step: float = 0.05
-    max_checks: int = 4000
-    shortcuts: int = 30
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            "skills.motion.path",
-            margin=(1e-3, 10),
-            edge=(1e-3, 10),
-            step=(1e-3, min(self.margin, 1)),  # OMPL wants it shorter than the diagonal of the range
-            max_checks=(0, 1e9),
-            shortcuts=(0, 1e6),
-        )
 
 
 def find_path(

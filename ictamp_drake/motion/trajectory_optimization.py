@@ -1,7 +1,6 @@
 """The quickest splines within the limits of the joints: closed forms, and Drake's kinematic trajectory optimisation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -9,16 +8,11 @@ from pydrake.planning import KinematicTrajectoryOptimization
 from pydrake.solvers import Binding, LinearConstraint, SnoptSolver, SolverOptions
 from scipy.interpolate import BSpline
 
-from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.motion.config import MIN_DURATION, TrajectoryConfig
 from ictamp_drake.motion.splines import differentiation, knots, paces
 from ictamp_drake.motion.trajectory import Trajectory
-
-LEAST_POINTS = 7
-"""Control points that a spline has at least: three at each end do not move."""
-
-_MIN_DURATION = 1e-3
 
 _TOLERANCE = 1e-3
 """Of optimality, as SNOPT means it; finer ones shorten no trajectory by more than a thousandth."""
@@ -36,45 +30,6 @@ class HalfSpace(NamedTuple):
     share: float
     normal: FloatArray
     offset: float
-
-
-@dataclass(frozen=True)
-class TrajectoryConfig:
-    """How fast and how finely.
-
-    Attributes:
-        velocity: used part of the joints' velocity limits.
-        acceleration: used part of the joints' acceleration limits.
-        jerk: used part of the joints' jerk limits.
-        order: of the splines; 5 has continuous jerk.
-        control_points: of a spline between two points.
-        straightness: cost of leaving the guess [s/rad^2]; larger keeps idle joints quieter.
-        max_duration: greatest duration that the solver considers [s]; what it can't improve on may take longer.
-        iterations: of the solver; what it has then is used.
-    """
-
-    velocity: float = 0.7
-    acceleration: float = 0.5
-    jerk: float = 0.1
-    order: int = 5
-    control_points: int = 14
-    straightness: float = 0.1
-    max_duration: float = 60.0
-    iterations: int = 40
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            "skills.motion.trajectory",
-            velocity=(1e-3, 1),
-            acceleration=(1e-3, 1),
-            jerk=(1e-3, 1),
-            order=(4, LEAST_POINTS),
-            control_points=(LEAST_POINTS, 1000),
-            straightness=(0, 1e6),
-            max_duration=(_MIN_DURATION, 1e6),
-            iterations=(0, 1e6),
-        )
 
 
 class TrajectoryOptimizer:
@@ -144,7 +99,7 @@ class TrajectoryOptimizer:
             points: see above.
             limits: heeded ones, of velocity, acceleration and jerk, in this order.
         """
-        found: FloatArray = np.full(points.shape[:-2], _MIN_DURATION)
+        found: FloatArray = np.full(points.shape[:-2], MIN_DURATION)
         matrices = differentiation(points.shape[-2], self.config.order)
         for order, (matrix, bound) in enumerate(zip(matrices[:limits], self.bounds, strict=False), start=1):
             used = np.abs(matrix @ points) / bound  # the spline stays below its control points
@@ -162,7 +117,7 @@ class _TrajectoryProgram:
         add = self._trajectory.AddVelocityBounds, self._trajectory.AddAccelerationBounds, self._trajectory.AddJerkBounds
         for add_bounds, bound in zip(add[:limits], optimizer.bounds, strict=False):
             add_bounds(-bound, bound)
-        self._trajectory.AddDurationConstraint(_MIN_DURATION, config.max_duration)
+        self._trajectory.AddDurationConstraint(MIN_DURATION, config.max_duration)
         self._trajectory.AddDurationCost(1.0)
         flat = self._points.T.ravel()
         self._corridor = program.AddBoundingBoxConstraint(0.0, 0.0, flat).evaluator()

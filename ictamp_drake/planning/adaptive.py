@@ -1,8 +1,8 @@
-"""Adaptive allocation, ours, after the paper's Future Work: the search learns from what its own steps came to.
+"""Adaptive allocation, our extension of the paper's Future Work: the search learns from the outcomes of its own steps.
 
-A plan is judged by all its remaining actions, as the effort that they are believed to take until each has succeeded.
-The plan that is nearest to its end is run, from the node from which it is. Every failure makes it look further away,
-until another node, an earlier action or another plan is nearer.
+A plan is rated by its remaining effort: the expected effort until each of its remaining actions has succeeded. The rule
+runs the plan and node with the least remaining effort. Every failure raises the estimate, until another node, an
+earlier action or another plan is cheaper.
 """
 
 from collections import defaultdict
@@ -13,7 +13,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_fields
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig, Mean
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -25,9 +25,9 @@ class AdaptiveConfig:
     """Constants of adaptive allocation.
 
     Attributes:
-        beliefs: about success and effort of steps.
-        opening: effort of opening a plan besides its expansions, since it must be judged from then on [s].
-        expanding: effort of an expansion [s].
+        beliefs: Constants of the beliefs about success and effort of steps.
+        opening: Effort of opening a plan, besides its expansions [s]. It covers later evaluations of the plan.
+        expanding: Effort of one expansion of the plan generator [s].
     """
 
     beliefs: BeliefsConfig = BeliefsConfig()
@@ -37,18 +37,17 @@ class AdaptiveConfig:
     def __post_init__(self) -> None:
         check_fields(self, "planners.adaptive", opening=(0, inf), expanding=(0, inf))
 
-    def create(self, estimator: Estimator[C]) -> "Adaptive[C]":
+    def create(self, context: RuleContext[C]) -> "Adaptive[C]":
         """The rule for one search."""
-        return Adaptive(self, Beliefs(self.beliefs, estimator))
+        return Adaptive(self, Beliefs(self.beliefs, context.estimator))
 
 
 class Adaptive(Generic[C]):
-    """Runs what is believed to take the least effort, and opens a plan when that is likely to save some.
+    """Run the step with the least expected effort, and open a plan when that is likely to save effort.
 
-    A new plan is hoped to be as good as the latest one was before anything failed. Whether that comes true is learned,
-    for each set of boxes that are to be moved first: W, the worth of opening, is 1 / (2 + openings in vain) of the
-    effort that such a plan would save, where those in vain are the latest ones, none of which was better than all
-    others when it came.
+    The rule expects a new plan to be as good as the latest one was before any failure. It learns how often this holds,
+    separately for each set of boxes to move first: W, the worth of opening, is the effort that such a plan would save,
+    divided by 2 + `in_vain`. `in_vain` counts the latest consecutive openings that did not produce the new best plan.
     """
 
     def __init__(self, config: AdaptiveConfig, beliefs: Beliefs[C]) -> None:
@@ -59,7 +58,7 @@ class Adaptive(Generic[C]):
         self._openings: defaultdict[frozenset[Obstruction], _Openings] = defaultdict(_Openings)
         self._asked: frozenset[Obstruction] = frozenset()
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
         """The next computational action."""
         runs = tree.runs
         if not runs:
@@ -89,7 +88,7 @@ class Adaptive(Generic[C]):
 
 @dataclass
 class _Openings:
-    """Of plans that move the same boxes first; ended when the latest one brought none."""
+    """Record of the openings for one set of boxes to move first; `ended` when the latest one brought no plan."""
 
     expanded: Mean = field(default_factory=Mean)
     in_vain: int = 0

@@ -1,4 +1,4 @@
-"""What a search learns about its own steps: how likely they succeed, and how much effort they take."""
+"""Beliefs that a search learns about its own steps: their probability of success and their effort."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -21,15 +21,15 @@ class BeliefsConfig:
     """Constants of the Beta beliefs.
 
     Attributes:
-        strength: attempts that the prior P is worth (`python benchmarks/beliefs.py`).
-        floor: least prior, so that no step is ever given up.
-        hope: P of an action before any of its name was estimated.
-        effort: of a step before any of its name succeeded [s].
-        trying: effort of looking at a k [s]: 0.05 on average (`python benchmarks/effort.py`), and 0.03 more, lest what
-            is refused at once be repeated hundreds of times.
-        simulating: effort of a second of motion [s].
-        patience: failures at a box which no step has moved that an action is expected to have before it succeeds, from
-            which on plans are sought that move the box first; infinite to seek none.
+        strength: Weight of the prior P, in attempts (`python benchmarks/beliefs.py`).
+        floor: Lower bound of the prior, so that no step is ever given up.
+        hope: P of an action before any action of the same name was estimated.
+        effort: Effort of a step before any step of the same name succeeded [s].
+        trying: Effort of trying one k [s]. The measured mean is 0.05 (`python benchmarks/effort.py`); another 0.03 is
+            added so that instant rejections are not retried hundreds of times.
+        simulating: Effort of one second of motion [s].
+        patience: Expected number of failures at an unmoved box, before the action succeeds, at which the planner starts
+            to ask for plans that move the box first. Infinite means that it never asks.
     """
 
     strength: float = 4.0
@@ -51,11 +51,11 @@ class BeliefsConfig:
 class Beliefs(Generic[C]):
     """Beta beliefs about each edge (s, a) from each node, with P as the prior and the attempts as evidence.
 
-    Effort is about the computing time, but counted, not measured: a search must not depend on the speed of the machine.
+    Effort approximates computing time. It is counted, not measured: a search must not depend on the machine's speed.
 
-    Once boxes are known to be in the way of a, all its edges are one, and another one where they have been moved.
+    Once boxes are known to block a, its edges no longer differ by state, but by the set of these boxes that was moved.
 
-    A node that is still to be reached has the P of nodes nearby, or what P mostly is for actions of this name.
+    A node that is still to be reached gets its P from nearby nodes, or else the mean P of actions of the same name.
     """
 
     def __init__(self, config: BeliefsConfig, estimator: Estimator[C]) -> None:
@@ -68,9 +68,10 @@ class Beliefs(Generic[C]):
         self._efforts: defaultdict[tuple[str, bool], Mean] = defaultdict(Mean)
 
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
-        """Take in an attempt; a failed one counts as often as it tried a k.
+        """Learn from an attempt; a failed one counts once for each k it tried.
 
-        One that finished a plan which was then refused as a whole is a failure. What physics refuted was no success.
+        A success that finished a plan counts as a failure if the plan was then rejected as a whole. When physics
+        refutes a step, its earlier success is withdrawn.
         """
         attempt, lineage = step.attempt, tree.lineage(step.node)
         action, obstacles = attempt.action, attempt.obstacles
@@ -87,7 +88,7 @@ class Beliefs(Generic[C]):
         self._efforts[action.name, success].add(effort)
 
     def estimate_effort(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        """Effort that running each plan from its node is believed to take until the plan is finished [s]."""
+        """Expected effort of running each plan from its node until the plan is finished [s]."""
         ahead = cache(self._effort_ahead)
         efforts = []
         for run, P in zip(runs, self._see(tree, runs), strict=True):
@@ -101,25 +102,25 @@ class Beliefs(Generic[C]):
         return efforts
 
     def estimate_prior_effort(self, plan: Skeleton) -> float:
-        """What `estimate_effort` would be had nothing been attempted yet [s]."""
+        """Expected effort of a plan as `estimate_effort` would give it before any attempt [s]."""
         return sum(self._effort(action, self._usual_success(action)) for action in plan.actions)
 
     def obstructions(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
-        """What had better be moved before these actions."""
+        """Boxes that should be moved before these actions."""
         return self._obstructions.list_before(actions)
 
     def _edge(self, state: State, action: Action, way: Way) -> "_Edge":
-        """Where boxes are in the way of the action, it matters which have been moved, and no longer in what state."""
+        """Edge of the action; once boxes are known to block it, the moved ones among them replace the state."""
         boxes = self._obstructions.boxes(action)
         return _Edge(None, action, boxes & boxes_moved_by(way)) if boxes else _Edge(state, action)
 
     def _edges_at(self, tree: Tree[C], node: int, action: Action) -> tuple[EdgeBelief, EdgeBelief]:
-        """Both that an action from the node tells of, should boxes in its way be found."""
+        """Both beliefs that an action from the node informs: by state, and by moved boxes in case some block it."""
         moved = self._obstructions.boxes(action) & boxes_moved_by(tree.way(node))
         return self._edges[_Edge(tree.nodes[node].s, action)], self._edges[_Edge(None, action, moved)]
 
     def _see(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        """P of each step; what a node's first P of an action says about others is taken in once."""
+        """P of each step. The first P of an action at a node also updates, once, the beliefs about other nodes."""
         estimates = [max(self._config.floor, P) for P in self._estimates.look_up(tree, runs)]
         for (node, plan, _), P in zip(runs, estimates, strict=True):
             action = tree.plans[plan].actions[0]
@@ -132,28 +133,28 @@ class Beliefs(Generic[C]):
         return estimates
 
     def _effort_here(self, lineage: Lineage, way: Way, edge: "_Edge", P: float) -> float:
-        """Effort of an action from the last node, of which P is known."""
+        """Effort of an action from the last node of the lineage, whose P is known."""
         return self._effort(edge.action, self._edges[edge].success_at(lineage, way, P))
 
     def _effort_ahead(self, lineage: Lineage, way: Way, edge: "_Edge") -> float:
-        """Effort of an action from the end of a way that begins like the lineage."""
+        """Effort of an action from the end of a way that extends the lineage."""
         usual = self._usual_success(edge.action)
         known = self._edges.get(edge)
         return self._effort(edge.action, known.success_ahead(lineage, way, usual) if known else usual)
 
     def _usual_success(self, action: Action) -> float:
-        """Mean P of the action elsewhere, or else of actions of its name."""
+        """Mean P of the action at other nodes, or else of actions of the same name."""
         return self._usual[action].value_or(self._usual[action.name].value_or(self._config.hope))
 
     def _effort(self, action: Action, belief: float) -> float:
-        """Of repeating the action until it succeeds: 1 / belief - 1 failures on average, and then the success."""
+        """Effort of repeating the action until it succeeds: 1 / belief - 1 failures on average, then one success."""
         success = self._efforts[action.name, True].value_or(self._config.effort)
         failure = self._efforts[action.name, False].value_or(success)
         return success + (1 / belief - 1) * failure
 
 
 class _Edge(NamedTuple):
-    """An edge (s, a) of the high-level graph; or a in any state in which these of the boxes in its way were moved."""
+    """Edge (s, a) of the high-level graph; or, without a state, a where the blocking boxes `moved` have been moved."""
 
     state: State | None
     action: Action
@@ -162,7 +163,7 @@ class _Edge(NamedTuple):
 
 @dataclass
 class Mean:
-    """Of values that come one by one."""
+    """Running mean of values."""
 
     total: float = 0.0
     count: int = 0
@@ -172,5 +173,5 @@ class Mean:
         self.count += 1
 
     def value_or(self, value: float) -> float:
-        """The mean, or the value when there is none."""
+        """The mean, or `value` when nothing was added."""
         return self.total / self.count if self.count else value

@@ -14,7 +14,7 @@ Way = tuple[Action, ...]
 
 
 class _Evidence(NamedTuple):
-    """Attempts and how many succeeded; of nodes, how many and the sum of their P."""
+    """Number of attempts and of successes; for P, number of nodes and the sum of their P."""
 
     weight: float = 0.0
     total: float = 0.0
@@ -26,7 +26,7 @@ class _Evidence(NamedTuple):
         return _Evidence(self.weight - other.weight, self.total - other.total)
 
     def discount_for_others(self, strength: float) -> "_Evidence":
-        """What it says about another draw from the same Beta distribution, of this strength: at most so much."""
+        """Evidence about another draw from the same Beta distribution; its weight stays below `strength`."""
         share = strength / (strength + self.weight)
         return _Evidence(share * self.weight, share * self.total)
 
@@ -35,7 +35,7 @@ _Judgement = Callable[["EdgeBelief", Lineage, Way, float], float]
 
 
 def _cache_until_news(judgement: _Judgement) -> _Judgement:
-    """The same, computed once until there are news."""
+    """Cache a judgement until new evidence arrives."""
 
     @wraps(judgement)
     def cached(self: "EdgeBelief", lineage: Lineage, way: Way, P: float) -> float:
@@ -49,17 +49,17 @@ def _cache_until_news(judgement: _Judgement) -> _Judgement:
 
 
 class EdgeBelief:
-    """How likely an edge (s, a) succeeds from a node, reached or not: a mixture over what may decide that.
+    """Success probability of an edge (s, a) from a node, reached or not: a mixture over what may decide the success.
 
-    Hypothesis r: the first r steps do. Nodes that share them form a group with one success probability, drawn from a
-    Beta distribution whose mean all groups share. To repeat a step founds a new group under every r that includes it:
-    the earlier the step, the more there is to hope for; and the less, the more such groups have failed.
+    Hypothesis r: the first r steps decide. Nodes that share these steps form a group with one success probability,
+    drawn from a Beta distribution whose mean all groups share. Repeating a step founds a new group under every r that
+    includes it, so an earlier step offers more hope. The hope falls with the number of such groups that have failed.
 
-    All r are equally likely, until failures tell between what they came about: each is a vote for the last steps that
-    moved those objects, and what these were put on, and for r = 0.
+    All r are equally likely until failures name the objects involved. Each such failure is a vote for r = 0, and for
+    the last steps that moved these objects or the objects they were placed on.
 
     Args:
-        strength: of the Beta distributions, and of P as a first guess at their mean [attempts].
+        strength: Strength of the Beta distributions, and of P as the first guess at their mean [attempts].
     """
 
     def __init__(self, strength: float) -> None:
@@ -71,17 +71,17 @@ class EdgeBelief:
         self._known: dict[tuple[_Judgement, Lineage, Way, float], float] = {}
 
     def see(self, lineage: Lineage, P: float) -> None:
-        """Take in P of a node."""
+        """Add the P of a node."""
         self._known.clear()
         for node in lineage:
             self._P[node] = self._P[node].plus(_Evidence(1.0, P))
 
     def learn(self, lineage: Lineage, success: bool) -> None:
-        """Take in an attempt from a node."""
+        """Add an attempt from a node."""
         self._add(lineage, _Evidence(1.0, success))
 
     def withdraw_success(self, lineage: Lineage) -> None:
-        """Take back a success from a node."""
+        """Withdraw a success from a node."""
         self._add(lineage, _Evidence(-1.0, -1.0))
 
     def _add(self, lineage: Lineage, evidence: _Evidence) -> None:
@@ -94,20 +94,20 @@ class EdgeBelief:
             self._all_groups[r] = self._all_groups[r].plus(news)
 
     def blame(self, objects: Collection[str]) -> None:
-        """Take in between which objects a failure came about; none when that is not known."""
+        """Add the objects involved in a failure; empty when they are unknown."""
         self._known.clear()
         self._blamed[frozenset(objects)] += 1
 
     @_cache_until_news
     def success_at(self, lineage: Lineage, way: Way, P: float) -> float:
-        """Success from a node with this P."""
+        """Success probability from a node with this P."""
         return self._mean(self._groups_of(lineage), way, P)
 
     @_cache_until_news
     def success_ahead(self, lineage: Lineage, way: Way, usual: float) -> float:
-        """Success from a node that is still to be reached, on this way, from the last one of the lineage.
+        """Success probability from a node still to be reached, at the end of `way`, which extends the lineage.
 
-        Its P is guessed from that of the nodes nearby; the usual P counts as one of them.
+        Its P is estimated from nearby nodes; `usual` counts as one of them.
         """
         self._allow(len(way))
         P = usual
@@ -118,19 +118,19 @@ class EdgeBelief:
         return self._mean([self._groups[node] for node in lineage] + fresh, way, P)
 
     def _groups_of(self, lineage: Lineage) -> list[_Evidence]:
-        """What was seen in a node's group, for each r; where r is more steps than it has, it is alone."""
+        """Evidence of a node's group for each r; a node with fewer than r steps is alone in its group."""
         self._allow(len(lineage) - 1)
         alone = [lineage[-1]] * (len(self._all_groups) - len(lineage))
         return [self._groups[node] for node in (*lineage, *alone)]
 
     def _allow(self, depth: int) -> None:
-        """Consider every r up to this depth; every node so far was alone where r is more than were considered."""
+        """Consider every r up to this depth; for each new r, every node so far was alone in its group."""
         if depth >= len(self._all_groups):
             self._known.clear()
             self._all_groups += self._all_groups[-1:] * (depth + 1 - len(self._all_groups))
 
     def _mean(self, groups: Sequence[_Evidence], way: Way, P: float) -> float:
-        """Of all r: P is updated by what the other groups say about another draw, and then by the group itself."""
+        """Mean over all r: P is updated by the discounted evidence of the other groups, then by the group itself."""
         mean, strength = 0.0, self._strength
         for share, group, all_groups in zip(self._shares(way), groups, self._all_groups, strict=True):
             (weight, total), (all_weight, all_total) = group, all_groups
@@ -140,7 +140,7 @@ class EdgeBelief:
         return mean
 
     def _shares(self, way: Way) -> list[float]:
-        """How likely each r is; before any vote, and by a failure of which nothing is known, all have the same."""
+        """Probability of each r; a failure with unknown objects votes for all equally, as if before any vote."""
         count, unknown = len(self._all_groups), 1 + self._blamed[frozenset()]
         votes = [unknown / count] * count
         for objects, failures in self._blamed.items():
@@ -152,7 +152,7 @@ class EdgeBelief:
 
 
 def _last_moves(way: Way, objects: Collection[str]) -> list[int]:
-    """Numbers of the last steps, counted from 1, that moved the objects and what these were put on."""
+    """Numbers, from 1, of the last steps that moved the objects or the objects they were placed on."""
     sought, found = {*objects}, dict[str, int]()
     for number, action in zip(range(len(way), 0, -1), reversed(way), strict=True):
         moved = next(iter(action.args), "")

@@ -1,13 +1,13 @@
 """Effort level search in infinite completion trees (Toussaint et al., ICRA 2024), as a selection rule.
 
-Its computational tree: the root's i-th child is the work on the i-th high-level plan. When that has come, its children
-are the attempts at its first action from the root; a successful attempt's children are those at the next action from
-the node that it reached; a failed one has none. Children are numbered from 0, and there are infinitely many of them.
+The computational tree: child i of the root is the search for high-level plan i. Once the plan is found, its children
+are the attempts at its first action from the root. The children of a successful attempt are the attempts at the next
+action from the node it reached. A failed attempt has no children. Children are numbered from 0, without end.
 
 level(child i) = level(parent) + (c_parent / c0)^p_c + eps + (i / w0)^p_w
 priority(node) = level(node) + (c / c0)^p_c, with c the computing time spent in the node
 
-The node of the least priority is computed next; when it is met for the first time, its next sibling joins the queue.
+The node with the least priority value is computed next. The first time, its next sibling joins the queue.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from typing import Generic, NamedTuple
 import numpy as np
 
 from ictamp_drake.core.checks import POSITIVE, check_fields
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import ask_estimator
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -30,14 +30,14 @@ class ElsConfig:
     """Constants of effort level search.
 
     Attributes:
-        p_w: exponent of a child's number among its siblings.
-        p_c: exponent of computing time.
-        w0: number of siblings that weighs 1.
-        c0: computing time that weighs 1 [s].
-        eps: what every generation adds to the level.
-        weighted: ELS augmented with an estimator: an attempt of probability P counts as number (i + 1) / P - 1, so many
-            attempts a success takes on average; where P is 1 this is i.
-        floor: least estimated probability, for `weighted`.
+        p_w: Exponent of a child's number among its siblings.
+        p_c: Exponent of computing time.
+        w0: Number of siblings that adds 1 to the level.
+        c0: Computing time that adds 1 to the level [s].
+        eps: Constant that every generation adds to the level.
+        weighted: Augment ELS with an estimator: attempt i with success probability P counts as number
+            (i + 1) / P - 1, since a success takes 1 / P attempts on average; with P = 1 this is i.
+        floor: Lower bound of the estimated probability, used with `weighted`.
     """
 
     p_w: float = 1.0
@@ -52,18 +52,18 @@ class ElsConfig:
         check_fields(self, "planners.els", p_w=(0, inf), p_c=(0, inf), eps=(0, inf))
         check_fields(self, "planners.els", w0=(POSITIVE, inf), c0=(POSITIVE, inf), floor=(POSITIVE, 1))
 
-    def create(self, estimator: Estimator[C]) -> "Els[C]":
+    def create(self, context: RuleContext[C]) -> "Els[C]":
         """The rule for one search."""
-        return Els(self, estimator)
+        return Els(self, context.estimator)
 
 
 class _Branch(NamedTuple):
     """Infinitely many siblings.
 
     Attributes:
-        level: of the parent, with its computing time and eps.
-        option: what each of them does when it is computed.
-        P: estimated probability that one of them succeeds.
+        level: Level of the parent, plus its computing time and eps.
+        option: Computational action of each sibling.
+        P: Estimated probability that a sibling succeeds.
     """
 
     level: float
@@ -72,15 +72,15 @@ class _Branch(NamedTuple):
 
 
 class _Work(NamedTuple):
-    """A node of the computational tree that waits for being computed; the least is the next.
+    """A node of the computational tree that waits to be computed; the least is next.
 
     Attributes:
-        priority: level + (c / c0)^p_c.
-        order: of arrival, which decides among equals.
-        branch: its siblings.
-        number: i, among them.
-        spent: c, computing time so far [s].
-        met: whether it was computed before.
+        priority: Priority value, level + (c / c0)^p_c.
+        order: Order of arrival, which breaks ties.
+        branch: Siblings of the node.
+        number: Number i of the node among its siblings.
+        spent: Computing time c so far [s].
+        met: Whether the node was computed before.
     """
 
     priority: float
@@ -92,7 +92,7 @@ class _Work(NamedTuple):
 
 
 class Els(Generic[C]):
-    """One queue of unfinished nodes."""
+    """Effort level search with one queue of unfinished nodes."""
 
     def __init__(self, config: ElsConfig, estimator: Estimator[C]) -> None:
         self._config = config
@@ -102,7 +102,7 @@ class Els(Generic[C]):
         self._at_work: _Work | None = None
         self._wait(_Branch(config.eps, OpenPlan(), 1.0))
 
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:  # noqa: ARG002  (nothing is random)
+    def choose(self, tree: Tree[C], _: np.random.Generator) -> Option:
         """Take in what became of the last choice, and serve the least node."""
         if self._at_work is not None:
             self._take_in(tree, self._at_work)
@@ -116,7 +116,7 @@ class Els(Generic[C]):
 
     def _take_in(self, tree: Tree[C], work: _Work) -> None:
         match tree.log[-1]:
-            case Opening(plan=None, seconds=seconds):  # goes on in another call
+            case Opening(plan=None, seconds=seconds):  # continues in another call
                 self._wait(work.branch, work.number, work.spent + seconds, met=True)
             case Opening(plan=int(plan), seconds=seconds):
                 self._branch(tree, RunStep(ROOT, plan), work, work.spent + seconds)
@@ -124,7 +124,7 @@ class Els(Generic[C]):
                 self._branch(tree, tree.reached, work, attempt.effort)
 
     def _branch(self, tree: Tree[C], run: RunStep, parent: _Work, spent: float) -> None:
-        """The parent is complete: the attempts at the next action are its children."""
+        """Give a completed parent its children, the attempts at the next action."""
         P = 1.0
         if self._config.weighted:
             (P,) = ask_estimator(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan])])

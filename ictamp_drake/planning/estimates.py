@@ -1,4 +1,4 @@
-"""What an estimator says of steps, asked once of each."""
+"""Estimates of steps, computed once for each."""
 
 from collections.abc import Sequence
 from typing import Generic
@@ -12,10 +12,10 @@ from ictamp_drake.planning.tree import RunStep, Tree
 
 
 class Estimates(Generic[C]):
-    """P of steps by configuration and plan; as neither of a step ever changes, what is known stays known.
+    """Cache of the P of each step, that is, of each pair of node and plan.
 
     Args:
-        estimator: of P.
+        estimator: Estimator of P.
     """
 
     def __init__(self, estimator: Estimator[C]) -> None:
@@ -23,7 +23,7 @@ class Estimates(Generic[C]):
         self._known: dict[RunStep, float] = {}
 
     def look_up(self, tree: Tree[C], runs: Sequence[RunStep]) -> list[float]:
-        """P of each step; the estimator is asked for all unknown ones together."""
+        """P of each step; one call of the estimator computes all unknown ones."""
         unknown = [run for run in runs if run not in self._known]
         if unknown:
             values = ask_estimator(self._estimator, [(tree.nodes[run.node].c, tree.plans[run.plan]) for run in unknown])
@@ -32,10 +32,10 @@ class Estimates(Generic[C]):
 
 
 def ask_estimator(estimator: Estimator[C], options: Sequence[tuple[C, Skeleton]]) -> list[float]:
-    """P of each option as the estimator says it.
+    """P of each option, as the estimator returns it.
 
     Raises:
-        IctampError: these are not as many probabilities as options.
+        IctampError: The estimator did not return one probability for each option.
     """
     values = np.asarray(estimator.estimate(options), dtype=np.float64)
     name = type(estimator).__name__

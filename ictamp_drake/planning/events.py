@@ -1,4 +1,4 @@
-"""What a planner tells its listeners. Progress, records and Meshcat listen; the planner knows none of them."""
+"""Events that a planner sends to its listeners: progress, records and Meshcat. The planner knows none of them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ class PlanOpened:
     """The plan generator was called once.
 
     Attributes:
-        plan: the new plan, None when the call ended without one.
-        expanded: nodes expanded in this call.
-        exhausted: True when no further plan can come.
+        plan: New plan, or None when the call ended without one.
+        expanded: Number of nodes expanded in this call.
+        exhausted: True when there are no further plans.
     """
 
     plan: Skeleton | None
@@ -36,9 +36,9 @@ class StepDone(Generic[C]):
     """A low-level step has ended.
 
     Attributes:
-        node: where it started.
-        attempt: what came of it.
-        child: the new node, None when the attempt failed.
+        node: Node from which the step started.
+        attempt: Attempt, with its outcome.
+        child: New node, or None when the attempt failed.
     """
 
     node: Node[C]
@@ -48,12 +48,12 @@ class StepDone(Generic[C]):
 
 @dataclass(frozen=True)
 class Verified(Generic[C]):
-    """A finished plan was judged after its skills had been executed.
+    """A finished plan was verified as a whole, after all its skills were executed.
 
     Attributes:
-        node: the node at the goal.
-        path: the attempts from the root to it.
-        verified: False when the check failed; the search then goes on.
+        node: Node at the goal.
+        path: Attempts from the root to the node.
+        verified: False when verification failed; the search then continues.
     """
 
     node: Node[C]

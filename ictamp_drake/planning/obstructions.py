@@ -1,4 +1,4 @@
-"""What a search learns about boxes in the way that its plans never move."""
+"""Knowledge that a search gains about boxes that block its actions and that its plans do not move."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable
@@ -9,11 +9,11 @@ _NONE: frozenset[str] = frozenset()
 
 
 class Obstructions:
-    """Boxes that actions failed at where they stood at first, each with its share in a failure, by the k it refused.
+    """Failures caused by boxes still at their initial pose, weighted by the fraction of k that each box blocked.
 
     Args:
-        patience: failures at a box that an action is expected to have before it succeeds, from which on the box had
-            better be moved first. Infinite to leave all boxes where they are.
+        patience: Expected number of failures at a box, before the action succeeds, from which on the box should be
+            moved first. Infinite leaves all boxes where they are.
     """
 
     def __init__(self, patience: float) -> None:
@@ -23,9 +23,9 @@ class Obstructions:
         self._found: dict[Action, frozenset[str]] = {}
 
     def learn(self, initial: State, way: Iterable[Action], attempt: Attempt[C], success: bool) -> None:
-        """Take in an attempt that was made after the actions of the way.
+        """Learn from an attempt that was made after the actions of the way.
 
-        The initial state tells what can be moved: what its atoms are about, the first argument of each.
+        The initial state names the boxes that can be moved: the first argument of each atom.
         """
         action, moved = attempt.action, boxes_moved_by(way)
         if success:
@@ -38,19 +38,19 @@ class Obstructions:
         self._found[action] = frozenset(found)
 
     def list_before(self, actions: Iterable[Action]) -> frozenset[Obstruction]:
-        """Those that had better be moved before these actions."""
+        """Boxes that should be moved before these actions, each with its action."""
         return frozenset(Obstruction(action, box) for action in actions for box in self.boxes(action))
 
     def boxes(self, action: Action) -> frozenset[str]:
-        """Those that had better be moved before the action."""
+        """Boxes that should be moved before the action."""
         return self._found.get(action, _NONE)
 
     def _expected_failures(self, action: Action, box: str) -> float:
-        """At a box that has not been moved, by the rule of succession."""
+        """Expected failures at a box that has not been moved, by the rule of succession."""
         successes = sum(box not in moved for moved in self._successes[action])
         return self._failures[action][box] / (1 + successes)
 
 
 def boxes_moved_by(way: Iterable[Action]) -> frozenset[str]:
-    """What these actions move, the first argument of each."""
+    """Boxes that these actions move: the first argument of each."""
     return frozenset(moved for action in way for moved in action.args[:1])

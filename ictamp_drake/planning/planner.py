@@ -1,4 +1,4 @@
-"""The loop of the search: budget, events, steps and records. Which option comes next is the rule's affair."""
+"""The search loop: budget, events, steps and records. The selection rule decides which option comes next."""
 
 import time
 from collections import defaultdict
@@ -10,29 +10,29 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.protocols import Estimator, PlanGenerator, SkillRunner
+from ictamp_drake.core.protocols import Estimator, PlanGenerator, RuleContext, SkillRunner
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Attempt, C, State
 from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import PlanningResult, StopReason
-from ictamp_drake.planning.rule import OpenPlan, RuleConfig, SelectionRule
+from ictamp_drake.planning.rule import OpenPlan, Rule, RuleConfig
 from ictamp_drake.planning.tree import ROOT, Node, RunStep, Tree
 
 Verify = Callable[[tuple[Attempt[C], ...]], bool]
-"""Judge of a finished plan: the attempts from c_0 to the goal, in order -> does the whole plan hold?"""
+"""Verification of a finished plan: the attempts from c_0 to the goal, in order -> whether the whole plan holds."""
 
 Execute = Callable[[C, Attempt[C], State], Attempt[C]]
-"""Physics of a step whose end was only promised: c, the attempt, the state it promises -> what came of it."""
+"""Execution in physics of a step whose end was only promised: c, the attempt, the promised state -> the new attempt."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """Limits of one search, looked at before every computational action: the last one may exceed the time.
+    """Limits of one search. They are checked before every computational action, so the last one may exceed the time.
 
     Attributes:
-        seconds: computing time, everything included [s].
-        steps: low-level steps, None for any number.
+        seconds: Limit of the computing time, everything included [s].
+        steps: Limit of the low-level steps; None for no limit.
     """
 
     seconds: float = 60.0
@@ -45,12 +45,12 @@ class Budget:
 
 @dataclass(frozen=True)
 class PlannerConfig:
-    """How to search.
+    """Settings of the search.
 
     Attributes:
-        budget: when to give up.
-        max_expansions: expansions of the plan generator in one call (Algorithm 3, line 1).
-        rule: the selection rule.
+        budget: Limits after which the search gives up.
+        max_expansions: Limit of the plan generator's expansions in one call (Algorithm 3, line 1).
+        rule: Selection rule.
     """
 
     budget: Budget = Budget()
@@ -76,25 +76,25 @@ class PlannerConfig:
         clock: Callable[[], float] = time.perf_counter,
         cpu_clock: Callable[[], float] = time.process_time,
     ) -> "Planner[C]":
-        """The planner for one problem.
+        """Create the planner for one problem.
 
         Args:
-            c: c_init, the configuration to start from.
-            s: H(c_init).
-            generator: high-level plans from H(c_init) to the goal.
-            skills: runs one skill once.
-            estimator: P, handed to the selection rule.
-            verify: judges a plan that was carried out to its end; when it says no, the search goes on.
-            rng: source of every random choice of rule and skills.
-            execute: runs the steps of a finished plan in physics where `skills` only promise how they end. A step that
-                fails there counts as a failed attempt, and the search goes on from what physics reached.
-            listeners: called with every event.
-            stop: asked before every computational action; True ends the search as Ctrl-C does.
-            clock: seconds from any origin, for the budget.
-            cpu_clock: seconds of processor time from any origin, for the times of the stages.
+            c: Initial configuration c_init.
+            s: H(c_init), the initial symbolic state.
+            generator: Generator of high-level plans from H(c_init) to the goal.
+            skills: Runner that executes one skill once.
+            estimator: Estimator of P, passed to the selection rule.
+            verify: Verification of a finished plan; when it returns False, the search continues.
+            rng: Source of every random choice of the rule and the skills.
+            execute: Execution in physics of the steps of a finished plan, needed where `skills` only promise their end.
+                A step that fails there counts as a failed attempt, and the search continues from where physics ended.
+            listeners: Functions called with every event.
+            stop: Function called before every computational action; True ends the search as Ctrl-C does.
+            clock: Clock of the budget, in seconds from any origin.
+            cpu_clock: Clock of the stage times, in seconds of processor time from any origin.
         """
         tree = Tree(c, s)  # Algorithm 1, line 1
-        rule = self.rule.create(estimator)
+        rule = self.rule.create(RuleContext(estimator))
         return Planner(
             self, tree, rule, generator, skills, verify, rng, execute, tuple(listeners), stop, clock, cpu_clock
         )
@@ -102,11 +102,11 @@ class PlannerConfig:
 
 @dataclass(frozen=True, eq=False)
 class Planner(Generic[C]):
-    """One search (Algorithm 1). `tree` can be looked at while it grows."""
+    """One search (Algorithm 1). `tree` can be read while it grows."""
 
     config: PlannerConfig
     tree: Tree[C]
-    rule: SelectionRule[C]
+    rule: Rule[C]
     generator: PlanGenerator
     skills: SkillRunner[C]
     verify: Verify[C]
@@ -125,7 +125,7 @@ class Planner(Generic[C]):
         object.__setattr__(self, "_stopwatch", Stopwatch(self.cpu_clock))
 
     def run(self) -> PlanningResult[C]:
-        """Search until a plan is verified, nothing is left to do or the budget is spent; Ctrl-C ends it cleanly."""
+        """Search until a plan is verified, no option is left or the budget is spent; Ctrl-C ends the search cleanly."""
         start, cpu_start = self.clock(), self.cpu_clock()
         try:
             reason = self._search(deadline=start + self.config.budget.seconds)
@@ -164,7 +164,7 @@ class Planner(Generic[C]):
         return None
 
     def _open_plan(self, option: OpenPlan) -> Node[C]:
-        """Algorithm 3; returns the root, which is at the goal already when the new plan is empty."""
+        """Run Algorithm 3 and return the root, which is already at the goal when the new plan is empty."""
         before, start = self.generator.expanded, self.clock()
         with self._stopwatch.stage("plan_generator"):
             plan = self.generator.next_plan(self.config.max_expansions, option.obstructions)
@@ -175,7 +175,7 @@ class Planner(Generic[C]):
         return self.tree.root
 
     def _run_step(self, option: RunStep) -> Node[C] | None:
-        """Algorithm 2, lines 4-9; returns the node reached."""
+        """Run Algorithm 2, lines 4-9, and return the node reached."""
         node, plan = self.tree.nodes[option.node], self.tree.plans[option.plan]
         self._tell(StepStarted(node, plan.actions[0]))
         attempt = self.skills.attempt(node.c, plan.actions[0], plan.states[1], self.rng, option.k)
@@ -185,7 +185,7 @@ class Planner(Generic[C]):
         return child
 
     def _is_executed(self, node: Node[C]) -> bool:
-        """Whether physics confirms every step that leads to the node; asks it about those that were only promised."""
+        """Whether physics confirms every step that leads to the node; executes the steps that were only promised."""
         if self.execute is None:
             return True
         self._geometric.append(self.cpu_clock())

@@ -8,7 +8,7 @@ from typing import Generic
 import numpy as np
 
 from ictamp_drake.core.checks import check_fields
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.estimates import Estimates
 from ictamp_drake.planning.rule import OpenPlan, Option
@@ -21,12 +21,12 @@ class ProportionalConfig:
     """Constants of the paper's section Heuristics.
 
     Attributes:
-        W: weight of opening plans against running them: a plan that cost W expansions is worth as much as a fresh step
-            that is certain to succeed. The paper names no value. Raise it to leave plans that do not work sooner, and
-            choose it with the generator: 30 goes with breadth-first, 3 with best-first, which expands far less.
-        floor: least estimated probability, so that no step is ever given up.
-        redraw: draw the configuration anew before each step of a rollout (Algorithm 2, line 3); False goes on from the
-            configuration just reached.
+        W: Weight of opening plans against running them: a plan that cost W expansions scores as much as a fresh step
+            that is certain to succeed. The paper gives no value. Raise it to leave failing plans sooner. Choose it to
+            suit the generator: 30 for breadth-first, 3 for best-first, which expands far fewer nodes.
+        floor: Lower bound of the estimated probability, so that no step is ever given up.
+        redraw: Whether to draw the configuration anew before each step of a rollout (Algorithm 2, line 3). False
+            continues from the configuration just reached.
     """
 
     W: float = 30.0
@@ -36,19 +36,19 @@ class ProportionalConfig:
     def __post_init__(self) -> None:
         check_fields(self, "planners.completion-tree", W=(0, inf), floor=(0, inf))
 
-    def create(self, estimator: Estimator[C]) -> "Proportional[C]":
+    def create(self, context: RuleContext[C]) -> "Proportional[C]":
         """The rule for one search."""
-        return Proportional(self, estimator)
+        return Proportional(self, context.estimator)
 
 
 class Proportional(Generic[C]):
     """Algorithms 1 and 2 with the scores of the paper's section Heuristics.
 
-    After a success the rollout goes on with the rest of the plan. Algorithm 2, line 3 draws a configuration of the
+    After a success the rollout continues with the rest of the plan. Algorithm 2, line 3 draws a configuration of the
     state reached, so the next step starts from any node that holds this rest, drawn in proportion to 1 / (1 + cnt):
-    the node just reached weighs 1, and older ones less for every attempt they made. After a failure, a finished plan or
-    an opening, one option is drawn among opening a plan and running each known plan (Algorithm 1, lines 3-5). A plan
-    is scored from the node that was drawn for it, and run from the same node.
+    the node just reached weighs 1, older ones less with every attempt they made. After a failure, a finished plan or an
+    opening, the rule draws one option: to open a plan or to run one of the known plans (Algorithm 1, lines 3-5). Each
+    plan is scored from the node drawn for it, and runs from the same node.
     """
 
     def __init__(self, config: ProportionalConfig, estimator: Estimator[C]) -> None:
@@ -56,7 +56,7 @@ class Proportional(Generic[C]):
         self._estimates = Estimates(estimator)
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """Go on with the rollout, or else draw one option in proportion to the scores."""
+        """Continue the rollout, or else draw one option in proportion to the scores."""
         return self._next_of_rollout(tree, rng) or self._draw_option(tree, rng)
 
     def _next_of_rollout(self, tree: Tree[C], rng: np.random.Generator) -> RunStep | None:

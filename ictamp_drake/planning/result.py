@@ -1,4 +1,4 @@
-"""What a search leaves: the plan, the tree, and where the effort went."""
+"""Result of a search: the plan, the tree, and how the effort was spent."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from ictamp_drake.planning.tree import Tree
 
 
 class StopReason(Enum):
-    """Why a search ended; each member is a sentence."""
+    """Reason why a search ended; each member is a sentence."""
 
     SOLVED = "a plan was found and verified"
     UNREACHABLE = "no high-level plan reaches the goal"
@@ -26,13 +26,14 @@ class StopReason(Enum):
 
 @dataclass
 class ActionReport:
-    """What became of the attempts at one action.
+    """Outcome of all attempts at one action.
 
     Attributes:
-        attempts: low-level steps.
-        failures: causes of the failed ones.
-        rejections: causes for which parameters k were rejected before the last one of their attempt.
-        obstacles: what the arm or the held box would have touched with these, by name.
+        action: High-level action.
+        attempts: Number of low-level steps.
+        failures: Causes of the failed attempts, with their counts.
+        rejections: Causes that rejected a parameter k before the last one of its attempt, with their counts.
+        obstacles: Objects that the arm or the held box would have touched with the rejected k, by name, with counts.
     """
 
     action: Action
@@ -48,11 +49,11 @@ class ActionReport:
 
     @property
     def refusals(self) -> Counter[Failure]:
-        """Causes for which parameters k were refused, the most frequent first."""
+        """Causes that rejected parameters k, the last one of each attempt included, most frequent first."""
         return Counter(dict((self.failures + self.rejections).most_common()))
 
     def __str__(self) -> str:
-        """One line, e.g. "pick(red_box, rack): 30 of 30: no inverse-kinematics solution"."""
+        """Format as one line, e.g. "pick(red_box, rack): 30 of 30: no inverse-kinematics solution"."""
         line = f"{self.action}: {self.failures.total()} of {self.attempts}"
         if self.failures:
             line += f": {_format_causes(self.failures)}"
@@ -68,14 +69,14 @@ class PlanningResult(Generic[C]):
     """Outcome of one search.
 
     Attributes:
-        tree: all that was tried.
-        stop_reason: why the search ended.
-        planning_time_s: seconds from start to end, verification included.
-        seconds_by_stage: computing time of the skills' own stages and of "plan_generator", "selection" (the choice of
-            what to do next, which is mostly the estimator) and "verification" [s].
-        candidate: number of the node at the goal whose path is `plan`: the verified one, or else the last one found.
-        geometric_time_s: processor time from the start until the first plan was finished of which no step had run in
-            physics yet [s]; None when there is none, or when each step runs in physics at once.
+        tree: Completion tree with everything that was tried.
+        stop_reason: Reason why the search ended.
+        planning_time_s: Time from start to end, verification included [s].
+        seconds_by_stage: Computing time of the skills' own stages and of "plan_generator", "selection" (the choice of
+            the next option, mostly time of the estimator) and "verification" [s].
+        candidate: Number of the node at the goal whose path is `plan`: the verified one, or else the last one found.
+        geometric_time_s: Processor time from the start until the first plan was finished, before any of its steps ran
+            in physics [s]. None when no plan was finished, or when each step runs in physics at once.
     """
 
     tree: Tree[C]
@@ -92,43 +93,43 @@ class PlanningResult(Generic[C]):
 
     @property
     def verified(self) -> bool | None:
-        """Whether `plan` passed its verification, None when there is none or when the search was stopped meanwhile."""
+        """Whether `plan` passed verification; None without a plan, or when verification was interrupted."""
         return None if self.candidate is None else self.tree.candidates.get(self.candidate)
 
     @property
     def plan(self) -> tuple[Attempt[C], ...] | None:
-        """The attempts from c_0 to the goal, None when no plan was carried out to its end."""
+        """Attempts from c_0 to the goal, or None when no plan was carried out to its end."""
         return None if self.candidate is None else self.tree.path(self.candidate)
 
     @property
     def actions(self) -> tuple[Action, ...] | None:
-        """The high-level actions of `plan`."""
+        """High-level actions of `plan`, or None when there is no plan."""
         return None if self.plan is None else tuple(attempt.action for attempt in self.plan)
 
     @property
     def high_level_plans(self) -> int:
-        """Plans opened."""
+        """Number of plans opened."""
         return sum(opening.plan is not None for opening in self.tree.openings)
 
     @property
     def low_level_steps(self) -> int:
-        """Runs of a skill."""
+        """Number of skill runs."""
         return len(self.tree.steps)
 
     @property
     def steps_by_depth(self) -> tuple[int, ...]:
-        """How many steps started from a node of depth 0, 1, ... up to the deepest one that was tried."""
+        """Number of steps that started from nodes of depth 0, 1, ... up to the deepest node tried."""
         depths = Counter(self.tree.nodes[step.node].depth for step in self.tree.steps)
         return tuple(depths[depth] for depth in range(max(depths, default=-1) + 1))
 
     @property
     def failures(self) -> Counter[Failure]:
-        """Failed steps by cause."""
+        """Number of failed steps by cause."""
         return Counter(step.attempt.failure for step in self.tree.steps if step.attempt.failure is not None)
 
     @property
     def reports(self) -> dict[Action, ActionReport]:
-        """For each attempted action, in the order of the first attempt, how often it failed and why."""
+        """Report of each attempted action, in order of first attempt."""
         reports: dict[Action, ActionReport] = {}
         for step in self.tree.steps:
             report = reports.setdefault(step.attempt.action, ActionReport(step.attempt.action))
@@ -141,7 +142,7 @@ class PlanningResult(Generic[C]):
 
     @property
     def blocked(self) -> list[ActionReport]:
-        """The actions that never succeeded, the most often attempted first."""
+        """Reports of the actions that never succeeded, most attempted first."""
         reports = [report for report in self.reports.values() if report.is_blocked]
         return sorted(reports, key=lambda report: -report.attempts)
 

@@ -6,7 +6,7 @@ from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.scores import draw_node
@@ -15,24 +15,24 @@ from ictamp_drake.planning.tree import Tree
 
 @dataclass(frozen=True)
 class RoundRobinConfig:
-    """Nothing to choose."""
+    """Configuration of round robin, which has no settings."""
 
-    def create(self, estimator: Estimator[C]) -> "RoundRobin[C]":  # noqa: ARG002  (the same for all rules)
+    def create(self, _: RuleContext[C]) -> "RoundRobin[C]":
         """The rule for one search."""
         return RoundRobin()
 
 
 class RoundRobin(Generic[C]):
-    """A round attempts every plan known at its beginning once, those nearest to the goal first, and opens one more.
+    """Attempt every plan known at the start of a round once, those nearest to the goal first, then open one more.
 
-    The node that attempts a plan is drawn in proportion to 1 / (1 + cnt) among those that hold it.
+    The node that attempts a plan is drawn in proportion to 1 / (1 + cnt) among the nodes that hold the plan.
     """
 
     def __init__(self) -> None:
         self._round: deque[int | None] = deque()  # numbers of plans, None for opening one
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """What is next in the round."""
+        """Choose the next option of the round."""
         if not self._round:
             plans = sorted(tree.open_plans, key=lambda number: len(tree.plans[number]))
             self._round.extend(plans)

@@ -1,11 +1,9 @@
-"""What a selection rule is: it reads the tree and says which computational action comes next."""
+"""What a selection rule is made from and what it answers: it reads the tree and says what is computed next."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-import numpy as np
-
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext, SelectionRule
 from ictamp_drake.core.types import C, Obstruction
 from ictamp_drake.planning.tree import RunStep, Tree
 
@@ -15,29 +13,23 @@ class OpenPlan:
     """Ask the plan generator for one more high-level plan.
 
     Attributes:
-        obstructions: what the plan is to get out of the way. When there are any, the search goes on with the plan from
-            wherever its first actions have led already, and not from the root alone.
+        obstructions: Boxes that the plan should move out of the way. When there are any, the search continues the plan
+            from every node that its first actions have already reached, not only from the root.
     """
 
     obstructions: frozenset[Obstruction] = frozenset()
 
 
 Option = OpenPlan | RunStep
+"""A computational action."""
+
+Rule = SelectionRule[Tree[C], Option]
+"""A selection rule for trees of configurations C."""
 
 
-class SelectionRule(Protocol[C]):
-    """A search strategy. One rule serves one search, so it may remember what it computed for a node."""
-
-    def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """The next computational action.
-
-        Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
-        plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
-        """
-
-
+@runtime_checkable
 class RuleConfig(Protocol):
-    """Configuration of a selection rule."""
+    """Configuration of a selection rule, for trees of any configurations."""
 
-    def create(self, estimator: Estimator[C]) -> SelectionRule[C]:
+    def create(self, context: RuleContext[C], /) -> Rule[C]:
         """The rule for one search."""

@@ -1,4 +1,4 @@
-"""The formulas of the paper's section Heuristics, and drawing in proportion to them."""
+"""Formulas of the paper's section Heuristics, and draws in proportion to them."""
 
 from bisect import bisect
 from collections.abc import Iterable, Sequence
@@ -13,7 +13,7 @@ from ictamp_drake.planning.tree import Opening, RunStep, Tree
 def latest_plan_cost(openings: Iterable[Opening]) -> int:
     """L_nodes: nodes expanded for the most recent plan, 1 before the first (paper, Heuristics).
 
-    Calls that ended without a plan count towards the next plan. A plan that cost no expansion counts as one.
+    Expansions of a call without a plan count toward the next plan. A plan without expansions counts as one.
     """
     cost, since = 1, 0
     for opening in openings:
@@ -39,12 +39,12 @@ def node_weight(cnt: int) -> float:
 
 
 def draw(weights: Sequence[float], rng: np.random.Generator) -> int:
-    """Index drawn in proportion to the weights, which are non-negative; at least one is given."""
+    """Draw an index in proportion to the weights. There is at least one weight, and none is negative."""
     cumulative = list(accumulate(weights))
     return bisect(cumulative, rng.random() * cumulative[-1], hi=len(cumulative) - 1)
 
 
 def draw_node(tree: Tree[C], plan: int, rng: np.random.Generator) -> RunStep:
-    """The plan with a node drawn among those that hold it, in proportion to 1 / (1 + cnt) (paper, Heuristics)."""
+    """Draw a node for the plan among those that hold it, in proportion to 1 / (1 + cnt) (paper, Heuristics)."""
     holders = tree.holders[plan]
     return RunStep(holders[draw([node_weight(tree.nodes[node].cnt[plan]) for node in holders], rng)], plan)

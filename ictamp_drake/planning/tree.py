@@ -1,8 +1,8 @@
-"""The completion tree as plain data: what was found, what was tried, in the order in which it happened.
+"""The completion tree as plain data: everything found and everything tried, in order.
 
 Paper, Search Tree Formulation: a node is n_i = (c_i, s_i, P_i, cnt_i). Plans are numbered in order of appearance and
-kept once, so P_i and cnt_i together are a dictionary from the number of a plan to its count. The tree decides nothing:
-selection rules read it, the planner writes it.
+stored once, so one dictionary from plan number to count represents P_i and cnt_i. The tree decides nothing: selection
+rules read it, the planner writes it.
 """
 
 from collections.abc import Callable
@@ -20,13 +20,13 @@ class Node(Generic[C]):
     """n_i = (c_i, s_i, P_i, cnt_i).
 
     Attributes:
-        index: order of creation, 0 is the root.
-        c: configuration.
-        s: its symbolic state H(c).
-        parent: number of the node that c was reached from, None at the root.
-        attempt: the run of a skill that led here, None at the root.
-        depth: skills run since the root.
-        cnt: how often this node attempted each plan that it holds, by the plan's number. The keys are P_i; a node at
+        index: Number of the node in order of creation; 0 is the root.
+        c: Configuration.
+        s: Symbolic state H(c).
+        parent: Number of the node from which c was reached; None at the root.
+        attempt: Run of the skill that led here; None at the root.
+        depth: Number of skills run since the root.
+        cnt: Number of attempts that this node made at each plan it holds, by plan number. The keys are P_i; a node at
             the goal holds the empty plan.
     """
 
@@ -44,9 +44,9 @@ class Opening:
     """One call of the plan generator (Algorithm 3).
 
     Attributes:
-        plan: number of the new plan, None when the call ended without one.
-        expanded: nodes that the generator expanded in this call.
-        seconds: computing time of the call [s].
+        plan: Number of the new plan, or None when the call ended without one.
+        expanded: Number of nodes that the generator expanded in this call.
+        seconds: Computing time of the call [s].
     """
 
     plan: int | None
@@ -59,11 +59,11 @@ class Step(Generic[C]):
     """One low-level step: a node attempted the first action of a plan.
 
     Attributes:
-        node: number of the node.
-        plan: number of the plan.
-        attempt: the run of the skill.
-        child: number of the node that it led to, None when it failed.
-        refuted: number of the node that the attempt was promised to lead to, when physics refused it later.
+        node: Number of the node.
+        plan: Number of the plan.
+        attempt: Run of the skill.
+        child: Number of the node that the attempt reached, or None when it failed.
+        refuted: Number of the node that an earlier attempt had promised, when this one is its failure in physics.
     """
 
     node: int
@@ -77,9 +77,9 @@ class RunStep(NamedTuple):
     """Attempt the first action of a plan from a node that holds it.
 
     Attributes:
-        node: its number in the tree.
-        plan: its number in the tree.
-        k: the parameter to attempt it with, None to draw it.
+        node: Number of the node in the tree.
+        plan: Number of the plan in the tree.
+        k: Parameter of the attempt, or None to draw one.
     """
 
     node: int
@@ -91,13 +91,13 @@ class Tree(Generic[C]):
     """The tree of one search.
 
     Attributes:
-        nodes: in order of creation.
-        plans: every known plan, opened ones and suffixes, in order of appearance.
-        holders: for each plan the numbers of the nodes that hold it.
-        log: openings and steps in the order in which they happened.
-        candidates: nodes at which a plan was finished, and whether the whole plan was verified.
-        refuted: nodes that physics did not reach, and all below them; no plan holds them any longer.
-        exhausted: True when no further plan can come.
+        nodes: Nodes in order of creation.
+        plans: Every known plan, opened ones and suffixes, in order of appearance.
+        holders: Numbers of the nodes that hold each plan.
+        log: Openings and steps in chronological order.
+        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified.
+        refuted: Nodes that physics did not reach, and all nodes below them; `holders` no longer lists them.
+        exhausted: True when there are no further plans.
     """
 
     def __init__(self, c: C, s: State) -> None:
@@ -126,22 +126,22 @@ class Tree(Generic[C]):
 
     @property
     def opened(self) -> list[int]:
-        """Numbers of the plans that the root was given, in their order."""
+        """Numbers of the plans given to the root, in order."""
         return [opening.plan for opening in self.openings if opening.plan is not None]
 
     @property
     def open_plans(self) -> list[int]:
-        """Numbers of the plans that have a first action to attempt, and a node to attempt it from."""
+        """Numbers of the plans that have a first action to attempt and a node to attempt it from."""
         return [number for number, plan in enumerate(self.plans) if plan.actions and self.holders[number]]
 
     @property
     def runs(self) -> list[RunStep]:
-        """Every node with every plan that it could attempt, plan after plan."""
+        """Every node with every plan that it could attempt, in order of plans."""
         return [RunStep(node, plan) for plan in self.open_plans for node in self.holders[plan]]
 
     @property
     def reached(self) -> RunStep | None:
-        """The rest of a plan from where the last entry of the log led to, None when nothing is left to run."""
+        """Rest of a plan from the node that the last log entry reached, or None when nothing is left to run."""
         last = self.log[-1] if self.log else None
         if not isinstance(last, Step) or last.child is None or self.is_finished(self.nodes[last.child]):
             return None
@@ -154,22 +154,22 @@ class Tree(Generic[C]):
         return next((node for node, verified in self.candidates.items() if verified), None)
 
     def is_finished(self, node: Node[C]) -> bool:
-        """True when the node holds an empty plan, that is, when a plan was carried out up to here."""
+        """Whether the node holds an empty plan, that is, whether a plan was carried out up to this node."""
         return any(not self.plans[plan].actions for plan in node.cnt)
 
     def record_opening(
         self, plan: Skeleton | None, expanded: int, seconds: float = 0.0, *, graft: bool = False
     ) -> Opening:
-        """Give the root a new plan, or note that a call of the generator brought none.
+        """Give the root a new plan, or record that a call of the generator brought none.
 
         Args:
-            plan: the new one.
-            expanded: nodes that the generator expanded for it.
-            seconds: computing time [s].
-            graft: give each node that was reached by the first actions of the plan the rest of it.
+            plan: New plan, or None.
+            expanded: Number of nodes that the generator expanded in the call.
+            seconds: Computing time of the call [s].
+            graft: Give every node that the plan's first actions have already reached the rest of the plan.
 
         Raises:
-            ValueError: when the plan does not start in the root's state.
+            ValueError: The plan does not start in the root's state.
         """
         if plan is not None and plan.states[0] != self.root.s:
             raise ValueError("a high-level plan must start in the symbolic state of the root")
@@ -180,10 +180,10 @@ class Tree(Generic[C]):
         return opening
 
     def record_step(self, node: int, plan: int, attempt: Attempt[C]) -> Step[C]:
-        """Count an attempt of `node` at `plan`; a success adds the node that holds the plan's rest with count 0.
+        """Count an attempt of `node` at `plan`; a success adds a node that holds the rest of the plan with count 0.
 
         Raises:
-            ValueError: when the attempt succeeded but names no successor.
+            ValueError: The attempt succeeded but has no successor.
         """
         child = self._add_child(self.nodes[node], plan, attempt) if attempt.succeeded else None
         step = Step(node, plan, attempt, child)
@@ -191,10 +191,10 @@ class Tree(Generic[C]):
         return step
 
     def confirm(self, node: int, attempt: Attempt[C]) -> None:
-        """Put what physics made of the attempt that led to a node in the place of what was promised.
+        """Replace the promised attempt that led to a node by the attempt executed in physics.
 
         Raises:
-            ValueError: when the attempt did not succeed.
+            ValueError: The attempt did not succeed.
         """
         if attempt.successor is None or not attempt.succeeded:
             raise ValueError(f"{attempt.action} was not confirmed by physics")
@@ -203,7 +203,7 @@ class Tree(Generic[C]):
         self.log[place] = replace(step, attempt=attempt)
 
     def refute(self, node: int, attempt: Attempt[C]) -> Step[C]:
-        """Count a failure of physics at the attempt that led to a node, which is given up with all below it."""
+        """Count a failure in physics of the attempt that led to a node; drop the node and all nodes below it."""
         for each in self.nodes:
             if node in self.lineage(each.index) and each.index not in self.refuted:
                 self.refuted.add(each.index)
@@ -215,7 +215,7 @@ class Tree(Generic[C]):
         return step
 
     def _step_to(self, node: int) -> tuple[int, Step[C]]:
-        """Place in the log, and the step that led to the node."""
+        """Index in the log of the step that led to the node, and the step."""
         return next(
             (place, entry) for place, entry in enumerate(self.log) if isinstance(entry, Step) and entry.child == node
         )
@@ -225,16 +225,16 @@ class Tree(Generic[C]):
         return self._lineages[node]
 
     def path(self, node: int) -> tuple[Attempt[C], ...]:
-        """The attempts that lead from the root to the node, empty for the root."""
+        """Attempts that lead from the root to the node; empty for the root."""
         attempts = [self.nodes[number].attempt for number in self.lineage(node)]
         return tuple(attempt for attempt in attempts if attempt is not None)
 
     def way(self, node: int) -> tuple[Action, ...]:
-        """The actions that lead from the root to the node, none for the root."""
+        """Actions that lead from the root to the node; empty for the root."""
         return self._ways[node]
 
     def summary(self) -> dict[str, int]:
-        """The figures that every comparison of searches needs."""
+        """Summarize the search in the figures that every comparison needs."""
         steps = self.steps
         return {
             "nodes": len(self.nodes),
@@ -248,10 +248,10 @@ class Tree(Generic[C]):
         }
 
     def to_dict(self, encode: Callable[[C], Any] | None = None) -> dict[str, Any]:
-        """The tree in the types of JSON: the same search gives the same text, so no times are in it.
+        """Convert the tree to JSON types. It contains no times, so the same search gives the same text.
 
         Args:
-            encode: writes a configuration in the types of JSON; without it configurations are left out.
+            encode: Function that converts a configuration to JSON types; without it, configurations are left out.
         """
         return {
             "summary": self.summary(),

@@ -5,7 +5,7 @@ from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import C
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Tree
@@ -13,18 +13,18 @@ from ictamp_drake.planning.tree import Tree
 
 @dataclass(frozen=True)
 class UniformAllocationConfig:
-    """Nothing to choose."""
+    """Configuration of uniform allocation, which has no settings."""
 
-    def create(self, estimator: Estimator[C]) -> "UniformAllocation[C]":  # noqa: ARG002  (the same for all rules)
+    def create(self, _: RuleContext[C]) -> "UniformAllocation[C]":
         """The rule for one search."""
         return UniformAllocation()
 
 
 class UniformAllocation(Generic[C]):
-    """Draws among opening a plan and every step that any node could attempt."""
+    """Draw uniformly among opening a plan and every step that any node could attempt."""
 
     def choose(self, tree: Tree[C], rng: np.random.Generator) -> Option:
-        """The next computational action."""
+        """Choose the next computational action."""
         options: list[Option] = [] if tree.exhausted else [OpenPlan()]
         options += tree.runs
         return options[rng.integers(len(options))]

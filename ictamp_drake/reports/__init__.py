@@ -1,1 +1,1 @@
-"""Statistics, tables and pages made from records."""
+"""Statistics, tables and pages computed from records."""

@@ -1,7 +1,7 @@
-"""How close estimates of success are to counted success, with intervals over scenes (paper, Figure 3).
+"""Accuracy of success estimates against counted success, with intervals over scenes (paper, Figure 3).
 
-Estimates are held against the share of successes of each case and against the outcome of every single execution. Cases
-of one scene are correlated, so intervals come from samples of scenes.
+Estimates are compared with the share of successes of each case and with the outcome of every single execution. Cases of
+one scene are correlated, so the intervals come from samples of scenes.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ CEILING = "half of GT"
 
 
 class Interval(NamedTuple):
-    """A figure and the bounds that it lies between with 95 % confidence."""
+    """A figure and its bounds with 95 % confidence."""
 
     value: float
     low: float
@@ -30,7 +30,7 @@ class Interval(NamedTuple):
 
 
 class Score(NamedTuple):
-    """A figure of n estimates, of(counts, P, weight): weights of the cases, shape (m, n) -> (m,); and its range."""
+    """A figure of n estimates and its range; of(counts, P, weight) takes weights of the cases, shape (m, n) -> (m,)."""
 
     of: Callable[[Counts, FloatArray, FloatArray], FloatArray]
     low: float = 0.0
@@ -38,19 +38,19 @@ class Score(NamedTuple):
 
 
 Figures = Mapping[str, Interval]
-"""Figures of an estimator by the names of `SCORES`, and "closer" when it is held against another one."""
+"""Figures of an estimator by the names of `SCORES`, and "closer" when it is compared with another one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Accuracy:
-    """Estimators of one skill's success.
+    """Accuracy of the estimators of one skill's success.
 
     Attributes:
-        skill: pick or place.
-        cases: n of them.
-        counts: their executions.
-        estimates: by name of the estimator, shape (n,) each; all others are held against the first.
-        figures: by name of the estimator, at last those of the ceiling.
+        skill: Skill, pick or place.
+        cases: Cases whose success was counted, n of them.
+        counts: Executions of the cases.
+        estimates: Estimates by name of the estimator, shape (n,) each; the first is compared with all others.
+        figures: Figures by name of the estimator; those of the ceiling come last.
     """
 
     skill: str
@@ -61,7 +61,7 @@ class Accuracy:
 
 
 def compare_estimators(skill: str, cases: Sequence[Case], estimates: Mapping[str, FloatArray]) -> Accuracy:
-    """The figures of all estimators, the first of which is held against every other."""
+    """Compute the figures of all estimators, and compare the first estimator with every other."""
     counts = count_outcomes(cases)
     weight = resample_scenes(counts)
     first, *rivals = estimates
@@ -74,19 +74,19 @@ def compare_estimators(skill: str, cases: Sequence[Case], estimates: Mapping[str
 
 
 def _ceiling(cases: Sequence[Case], P: FloatArray) -> Figures:
-    """What can be reached where outcomes are random: an oracle counts one half of the executions, see `halves`."""
+    """Best figures possible with random outcomes: an oracle counts one half of the executions, see `halves`."""
     known, tested = halves(cases)
     weight = resample_scenes(tested)
     average = known.successes.sum() / known.attempts.sum()
     oracle = (known.successes + average) / (known.attempts + 1)  # never certain, so that log loss is finite
-    # GT differs from the true probability as much as the mean of two halves does: half as much as they do themselves
+    # GT is the mean of two halves, so it differs from the true probability by half of their difference
     error = Interval(*(value / 2 for value in _figure("error", tested, known.share, weight)))
     closer = share_closer(tested, np.tile(P, 2), oracle, weight)
     return {**figures_of(tested, oracle, weight), "error": error, "closer": closer}
 
 
 def figures_of(counts: Counts, P: FloatArray, weight: FloatArray) -> Figures:
-    """All figures of `SCORES`; intervals by the weights of `resample_scenes`."""
+    """Compute all figures of `SCORES`, with intervals from the weights of `resample_scenes`."""
     return {name: _figure(name, counts, P, weight) for name in SCORES}
 
 
@@ -109,23 +109,23 @@ def advantage(counts: Counts, P: FloatArray, Q: FloatArray) -> FloatArray:
 
 
 def resample_scenes(counts: Counts, times: int = RESAMPLES) -> FloatArray:
-    """How often each case is in samples of scenes that are drawn with replacement, shape (times, n)."""
+    """Count each case in samples of scenes drawn with replacement, shape (times, n)."""
     scenes, number = np.unique(counts.scene, return_inverse=True)
     even = np.full(len(scenes), 1 / len(scenes))
     return generator(Stream.EVALUATION).multinomial(len(scenes), even, times)[:, number].astype(np.float64)
 
 
 def interval(value: float, resamples: FloatArray, low: float, high: float) -> Interval:
-    """Percentiles of the resamples, moved so that their median is the figure: that of errors is higher, being noisier.
+    """Percentiles of the resamples, shifted so that their median is the figure; the median of errors is biased upward.
 
     Args:
-        value: the figure.
-        resamples: the same of each sample, shape (m,); nan where it is undefined.
-        low, high: its range.
+        value: Figure of all cases.
+        resamples: Figure of each sample, shape (m,); nan where it is undefined.
+        low, high: Range of the figure.
     """
     tails = np.nanquantile(resamples, [(1 - LEVEL) / 2, 0.5, (1 + LEVEL) / 2])
     below, above = np.clip(value + tails[[0, 2]] - tails[1], low, high)
-    return Interval(value, float(min(below, value)), float(max(above, value)))  # equal but for rounding
+    return Interval(value, float(min(below, value)), float(max(above, value)))  # min and max only correct rounding
 
 
 def _error(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArray:
@@ -154,14 +154,14 @@ def _brier_skill(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArra
 
 
 def _log_loss(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArray:
-    """Mean of minus the logarithm of what was thought of the outcome."""
+    """Mean negative logarithm of the probability that was estimated for the outcome."""
     P = np.clip(P, 1e-7, 1 - 1e-7)
     won, lost = counts.successes, counts.attempts - counts.successes
     return -(weight @ (won * np.log(P) + lost * np.log1p(-P))) / (weight @ counts.attempts)
 
 
 def _ece(counts: Counts, P: FloatArray, weight: FloatArray) -> FloatArray:
-    """Mean distance of estimate and frequency over bins of cases with about equally many executions."""
+    """Mean distance of estimate and frequency over bins of cases with about equal numbers of executions."""
     surplus = weight * (counts.attempts * P - counts.successes)
     return np.abs(_sum_by_place(surplus, bins(P, counts.attempts), BINS)).sum(axis=1) / (weight @ counts.attempts)
 

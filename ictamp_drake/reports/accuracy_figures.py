@@ -1,4 +1,4 @@
-"""Pictures of how close estimates of success are to counted success (paper, Figure 3)."""
+"""Pictures of the accuracy of success estimates against counted success (paper, Figure 3)."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ from ictamp_drake.reports.accuracy import Accuracy, advantage, resample_scenes
 from ictamp_drake.viz.figures import GRID, LABEL, write_figures
 
 CLOSER, FARTHER, OTHERS = "#1f6fb4", "#d1652b", ("#444444", "#7b4ea3", "#b08d00", "#3b8f6b", "#c0508c", "#8a8a8a")
-WIDTH, HEIGHT = 4.6, 3.6  # of a panel [in]
+WIDTH, HEIGHT = 4.6, 3.6  # size of a panel [in]
 NARROW = 2.9  # side of a panel of a reliability diagram [in]
 SHARE_BINS = 20
 
@@ -30,7 +30,10 @@ def draw_all(accuracies: Sequence[Accuracy], folder: Path) -> list[str]:
 
 
 def figure_3(accuracies: Sequence[Accuracy]) -> Figure:
-    """|GT - P| - |GT - Q| of every case in ascending order, a panel a skill: bars for one rival, lines for others."""
+    """Draw |GT - P| - |GT - Q| of every case in ascending order, one panel per skill.
+
+    One rival Q is shown by bars, all others by lines.
+    """
     figure, panels = _panels(accuracies)
     for axes, accuracy in zip(panels, accuracies, strict=True):
         first, rival, *others = accuracy.estimates
@@ -57,7 +60,7 @@ def _verdict(accuracy: Accuracy) -> str:
 
 
 def reliability(accuracy: Accuracy) -> Figure:
-    """How often cases of about the same estimate succeeded, with intervals over scenes; a panel an estimator.
+    """Draw the success rate of cases with similar estimates, with intervals over scenes, one panel per estimator.
 
     Bars at the bottom are shares of the executions.
     """
@@ -93,7 +96,7 @@ def _reliability(axes: Axes, accuracy: Accuracy, name: str) -> None:
 
 
 def _bin_cases(accuracy: Accuracy, P: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Mean estimate and share of successes in each bin, and how far the latter reaches down and up."""
+    """Mean estimate and share of successes in each bin, and the distances from the share to its bounds."""
     counts = accuracy.counts
     place = bins(P, counts.attempts)
     weight = resample_scenes(counts)
@@ -111,7 +114,7 @@ def _bin_cases(accuracy: Accuracy, P: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 def ground_truth(accuracies: Sequence[Accuracy]) -> Figure:
-    """How many cases have which share of successes, a panel a skill."""
+    """Draw histograms of the share of successes over all cases, one panel per skill."""
     figure, panels = _panels(accuracies)
     for axes, accuracy in zip(panels, accuracies, strict=True):
         axes.hist(accuracy.counts.share, bins=SHARE_BINS, range=(0, 1), color=CLOSER, edgecolor="white")

@@ -1,4 +1,4 @@
-"""The accuracy of estimators as a table on the screen, in Markdown, and case by case as CSV."""
+"""Accuracy of estimators as a table on the screen, as a page in Markdown, and case by case as CSV."""
 
 import csv
 import io
@@ -26,7 +26,7 @@ COLUMNS = {
 """Headings of the figures."""
 
 SHORT = ("error", "brier", "log_loss")
-"""Figures that are shown without their interval."""
+"""Figures shown without their interval."""
 
 LEGEND = (
     "error: mean |GT - estimate| over cases, GT being a case's share of successes.",
@@ -40,7 +40,7 @@ LEGEND = (
 
 
 def format_accuracies(accuracies: Sequence[Accuracy]) -> Group:
-    """Everything that is said at the end."""
+    """Format the accuracies for the screen: a table for each skill, and the legend."""
     parts: list[RenderableType] = []
     for accuracy in accuracies:
         shown = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
@@ -53,7 +53,7 @@ def format_accuracies(accuracies: Sequence[Accuracy]) -> Group:
 
 
 def markdown(accuracies: Sequence[Accuracy], about: Mapping[str, Any], pictures: Sequence[str]) -> str:
-    """The same as a page of Markdown, with what it was made of and the names of the pictures beside it."""
+    """Format the accuracies as a page in Markdown, with the pictures beside it and facts about its origin."""
     lines = ["# Accuracy of the estimators of success", ""]
     for accuracy in accuracies:
         lines += [f"## {_title(accuracy)}", "", *table(_headings(accuracy), _rows(accuracy)), ""]
@@ -90,7 +90,7 @@ def _rows(accuracy: Accuracy) -> list[list[str]]:
 
 
 def cell(figures: Figures, key: str) -> str:
-    """E.g. "0.71 (0.64, 0.78)", and nothing for a figure that an estimator does not have."""
+    """Format a figure, e.g. "0.71 (0.64, 0.78)", or return "" when the estimator does not have it."""
     if key not in figures:
         return ""
     figure: Interval = figures[key]
@@ -98,7 +98,7 @@ def cell(figures: Figures, key: str) -> str:
 
 
 def as_csv(accuracies: Sequence[Accuracy]) -> str:
-    """A row a case: what it is, how often it succeeded, also in every second draw, and all estimates of it."""
+    """Format one row per case: the case, its successes in all draws and in every second draw, and all estimates."""
     names = list(accuracies[0].estimates)
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")

@@ -1,6 +1,6 @@
-"""What can be said of two strategies that ran the same problems with the same seeds.
+"""Statistical comparison of two strategies that ran the same problems with the same seeds.
 
-Seeds of one problem belong together: whatever is tested or resampled are problems, never single runs.
+Seeds of one problem belong together: tests and resampling always use whole problems, never single runs.
 """
 
 from collections.abc import Sequence
@@ -15,32 +15,33 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.reports.accuracy import LEVEL, RESAMPLES, Interval
 
 LEAST = 6
-"""Problems that an interval needs: of five that all differ in one direction, 1 in 16 samples would by chance alone."""
+"""Minimum number of problems for an interval: five all differ in one direction by chance alone in 1 of 16 samples."""
 
 KNOWN = 0.75
-"""Share of the runs of which the machine's pace must be known for times to be compared at equal pace."""
+"""Share of the runs whose machine pace must be known before times are compared at equal pace."""
 
 ALL = "all levels"
 PROBLEM = ["level", "problem"]
-"""Columns that name a problem."""
+"""Columns that identify a problem."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A strategy beside the reference.
+    """A strategy compared with the reference.
 
     Attributes:
-        level: of the problems, or `ALL`.
-        strategy, reference: their names.
-        pairs: runs of the same problem with the same seed.
-        solved: how many of them the strategy solved, and how many the reference.
-        only: how many of them only the strategy solved, and how many only the reference.
-        p: probability of so uneven a split of these if both were equally good, see `even_split`.
-        both: problems that both solved with the same seed.
-        pace: median over these of the computing time for a second of the plan as a multiple of the reference's, far
+        level: Level of the problems, or `ALL`.
+        strategy, reference: Names of the strategy and the reference.
+        pairs: Number of pairs of runs of the same problem with the same seed.
+        solved: Number of pairs that the strategy solved, and number that the reference solved.
+        only: Number of pairs that only the strategy solved, and number that only the reference solved.
+        p: Probability of a split at least as uneven as `only` if both were equally good, see `even_split`.
+        both: Number of problems that both solved with the same seed.
+        pace: Computing time for a second of the plan as a multiple of the reference's, median over these problems; far
             from 1 when the machine was not equally fast for both; see `ratio`. None when there are no such problems, or
-            when it is known of fewer than `KNOWN` of the runs.
-        time, steps: the same of time, divided by the pace where that is known, and of low-level steps.
+            when the pace is known for fewer than `KNOWN` of the runs.
+        time, steps: Time (divided by the pace where that is known) and number of low-level steps as multiples of the
+            reference's, medians over these problems.
     """
 
     level: str
@@ -57,7 +58,13 @@ class Comparison:
 
 
 def compare_strategies(runs: pd.DataFrame, strategy: str, reference: str) -> list[Comparison]:
-    """Both strategies on each level, and on all levels when there are several; of `runs` see `regime.tabulate_runs`."""
+    """Compare two strategies on each level, and on all levels together when there are several.
+
+    Args:
+        runs: Table of the runs, see `regime.tabulate_runs`.
+        strategy: Name of the strategy.
+        reference: Name of the reference.
+    """
     first, second = (runs[runs["strategy"] == name] for name in (strategy, reference))
     pairs = first.merge(second, on=["level", "problem", "seed"], suffixes=("", "_reference"), validate="1:1")
     levels = list(runs["level"].cat.categories)
@@ -87,11 +94,11 @@ def _comparison(level: str, strategy: str, reference: str, pairs: pd.DataFrame) 
 def even_split(differences: Sequence[int]) -> float:
     """Exact two-sided probability of a sum at least as far from 0 if each difference had either sign with equal chance.
 
-    With one seed, differences are -1, 0 and 1, and this is McNemar's exact test. With several, those of a problem keep
-    together.
+    With one seed, differences are -1, 0 and 1, and this is McNemar's exact test. With several seeds, those of a problem
+    stay together.
 
     Args:
-        differences: for each problem, how many more runs of it the one strategy solved than the other.
+        differences: Solved runs of one strategy minus solved runs of the other, for each problem.
     """
     chance = np.ones(1)
     for size in np.abs([each for each in differences if each]):
@@ -103,7 +110,7 @@ def even_split(differences: Sequence[int]) -> float:
 
 
 def adjust_for_multiplicity(p: Sequence[float]) -> list[float]:
-    """The same probabilities when all of them are looked at (Holm 1979), for whatever way they depend on each other."""
+    """Adjust probabilities for multiple tests (Holm 1979), however the tests depend on each other."""
     order = np.argsort(p, kind="stable")
     raised = np.maximum.accumulate(np.asarray(p)[order] * np.arange(len(p), 0, -1)).clip(max=1.0)
     return raised[np.argsort(order, kind="stable")].tolist()
@@ -112,8 +119,9 @@ def adjust_for_multiplicity(p: Sequence[float]) -> list[float]:
 def ratio(both: pd.DataFrame, figure: str) -> Interval | None:
     """Median over problems of one strategy's figure as a multiple of the other's, with an interval over problems.
 
-    A problem with several seeds counts once, with the median of its ratios; medians are taken of logarithms, so that
-    the other way round is the inverse. What is 0 or not known has no ratio. Below `LEAST` problems the bounds are nan.
+    A problem with several seeds counts once, with the median of its ratios. Medians are taken of logarithms, so that
+    swapping the strategies gives the inverse. A figure that is 0 or unknown has no ratio. With fewer than `LEAST`
+    problems the bounds are nan.
     """
     positive = both[(both[figure] > 0) & (both[f"{figure}_reference"] > 0)]
     logarithms = positive.assign(logarithm=np.log(positive[figure] / positive[f"{figure}_reference"]))

@@ -1,36 +1,27 @@
-"""The estimators of success that are compared with each other, and the base rate that they must beat."""
+"""Estimators of success to compare with each other, and the base rate that they must beat."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.protocols import Estimator
-from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
+from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorConfig, EstimatorContext
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.learning.checkpoint import SKILLS, load, name_of
-from ictamp_drake.world.world import World
-
-
-class Contender(Protocol):
-    """The configuration of an estimator that does not need to run skills."""
-
-    def create(self, world: World) -> Estimator[Configuration]:
-        """The estimator for one scene."""
 
 
 @dataclass(frozen=True)
 class BaseRates:
-    """Share of successes in what P was trained on, by skill.
+    """Share of successes in the data that P was trained on, by skill.
 
     Attributes:
-        pick: by default what the checkpoint of the estimator says about its test scenes.
-        place: the same of placements.
+        pick: Share of successful picks; by default the share in the test scenes of the estimator's checkpoint.
+        place: Share of successful placements; by default the share in the test scenes of the estimator's checkpoint.
     """
 
     pick: float | None = None
@@ -42,10 +33,10 @@ class BaseRates:
                 check_range(f"base-rate.{skill}", rate, 0, 1)
 
     def complete(self, checkpoints: Path) -> "KnownRates":
-        """All rates, from checkpoints where they are not given.
+        """Read the rates that are not given from checkpoints, and return all rates.
 
         Raises:
-            IctampError: see `checkpoint.load`; or a checkpoint does not say.
+            IctampError: A checkpoint cannot be loaded, see `checkpoint.load`, or does not hold the rate.
         """
         given = {skill: getattr(self, skill) for skill in SKILLS}
         return KnownRates(
@@ -64,33 +55,33 @@ def _read_base_rate(checkpoints: Path, skill: str) -> float:
 
 @dataclass(frozen=True)
 class KnownRates:
-    """The estimator that knows how often each skill succeeds, and nothing of the situation.
+    """Estimator that knows how often each skill succeeds, and nothing about the situation.
 
     Attributes:
-        rates: by skill.
+        rates: Success rates by skill.
     """
 
     rates: Mapping[str, float]
 
-    def create(self, world: object = None) -> "KnownRates":  # noqa: ARG002  (the same for all estimators)
+    def create(self, _: EstimatorContext) -> "KnownRates":
         """Itself, the same in every scene."""
         return self
 
     def estimate(self, options: Sequence[tuple[Hashable, Skeleton]]) -> FloatArray:
-        """The rate of each option's first action, shape (len(options),)."""
+        """Success rate of each option's first action, shape (len(options),)."""
         return np.array([self.rates[plan.actions[0].name] for _, plan in options])
 
 
-def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, Contender]:
+def contenders(checkpoints: Path, rates: KnownRates, plans: bool = True) -> dict[str, EstimatorConfig]:
     """P, STAP's Q of a single draw and other ways of reading the critics, P over fewer k, and the base rate, by name.
 
     Args:
-        checkpoints: folder of all networks.
-        rates: that the others must beat.
-        plans: also STAP's product along the plan, the best of 16 rollouts.
+        checkpoints: Folder of all networks.
+        rates: Base rates that the others must beat.
+        plans: Include STAP's product along the plan, the best of 16 rollouts.
 
     Raises:
-        IctampError: a checkpoint is missing, damaged or of something else.
+        IctampError: A checkpoint is missing or damaged, or holds something else.
     """
     P, Q = PScoreConfig(checkpoints), QValueConfig(checkpoints)
     best = replace(Q, draws=16, best=True)

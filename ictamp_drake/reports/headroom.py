@@ -1,8 +1,9 @@
 """Bounds on what is left to gain: the quickest strategy of each problem, and a search in which nothing fails.
 
-The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012): it knows beforehand which of all
-others will be the quickest on a problem, and no choice among them gains more. The second bounds what any strategy can
-gain, as every plan is executed at least once. Runs of earlier versions executed it twice, to verify the whole.
+The first is the virtual best solver of algorithm portfolios (e.g. Xu et al. 2012): it knows in advance which strategy
+will be the quickest on a problem, so no choice among the strategies gains more. The second bounds the gain of any
+strategy, since every plan is executed at least once. Runs of earlier versions executed it twice, to verify it as a
+whole.
 """
 
 from collections.abc import Callable
@@ -15,20 +16,23 @@ from ictamp_drake.reports.markdown import table
 from ictamp_drake.reports.verdicts import format_ratio
 
 NAME = ""
-"""Of the bound among the strategies, none of which has it."""
+"""Name of the bound among the strategies; empty, so that it equals none of theirs."""
 
 
 def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) -> list[str]:
-    """The bound as a multiple of each strategy's time, a column a level; in Markdown, nothing of a single strategy.
+    """Format the bound as a multiple of each strategy's time, one column per level, in Markdown.
 
     Args:
-        runs: see `regime.tabulate_runs`, with times as `pace.scale_to_equal_pace` has them.
-        bound: one of the functions below.
+        runs: Table of the runs, see `regime.tabulate_runs`, with times scaled by `pace.scale_to_equal_pace`.
+        bound: Function that computes the bound, one of those below.
+
+    Returns:
+        Lines of the table; none when there is a single strategy.
     """
     strategies = list(runs["strategy"].cat.categories)
     if len(strategies) < 2:
         return []
-    without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # its times are at equal pace already
+    without_pace = bound(runs).assign(strategy=NAME, pace=np.nan)  # its times are already at equal pace
     both = pd.concat([runs, without_pace])
     comparisons = {name: compare_strategies(both, NAME, name) for name in strategies}
     levels = [each.level for each in comparisons[strategies[0]]]
@@ -37,13 +41,13 @@ def headroom(runs: pd.DataFrame, bound: Callable[[pd.DataFrame], pd.DataFrame]) 
 
 
 def virtual_best(runs: pd.DataFrame) -> pd.DataFrame:
-    """Of every problem and seed the quickest run that solved it, or any run when none did."""
+    """Quickest run that solved each problem and seed, or any run when none did."""
     quickest_first = runs.sort_values(["solved", "seconds"], ascending=[False, True], kind="stable")
     return quickest_first.drop_duplicates([*PROBLEM, "seed"])
 
 
 def quickest_executions(runs: pd.DataFrame) -> pd.DataFrame:
-    """Of every problem and seed the found plan that is the quickest to execute, and the time that this takes."""
+    """Plan that is the quickest to execute of those found for each problem and seed, with the time of its execution."""
     plans = runs[runs["solved"] & runs["replay"].notna()]
     plans = plans.assign(seconds=plans["executions"] * plans["replay"]).sort_values("seconds", kind="stable")
     return plans.drop_duplicates([*PROBLEM, "seed"])

@@ -1,4 +1,4 @@
-"""Times of strategies that ran on machines of different speeds, or on one that was not always as fast."""
+"""Times of strategies that ran on machines of different speeds, or on a machine whose speed varied."""
 
 from collections.abc import Mapping
 
@@ -8,14 +8,14 @@ from ictamp_drake.reports.comparison import compare_strategies
 
 
 def scale_to_equal_pace(runs: pd.DataFrame, reference: str) -> pd.DataFrame:
-    """Times as if the machine had been as fast as when the reference ran, level by level.
+    """Scale times as if the machine had been as fast as when the reference ran, level by level.
 
-    They are divided by `Comparison.pace`, and stay as measured where that is not known. Of an unsolved run, the time
-    limit stays what it was.
+    Times are divided by `Comparison.pace`, and stay as measured where it is not known. The time limit of an unsolved
+    run is not scaled.
 
     Args:
-        runs: see `regime.tabulate_runs`.
-        reference: a strategy.
+        runs: Table of the runs, see `regime.tabulate_runs`.
+        reference: Name of the reference strategy.
     """
     scale = pd.Series(1.0, runs.index)
     for strategy in runs["strategy"].cat.categories.drop(reference):

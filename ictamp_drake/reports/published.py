@@ -7,16 +7,16 @@ TIME_LIMIT = 1200.0
 
 
 class Published(NamedTuple):
-    """A row of the paper's Table 1; its means are over the solved problems, None where there is none.
+    """A row of the paper's Table 1. Its means are over the solved problems, and None when there are none.
 
     Attributes:
-        level: of difficulty.
-        strategy: the algorithm.
-        problems: how many there are.
-        solved: how many of them it solved.
-        seconds: mean time [s].
-        plans: mean number of high-level plans.
-        steps: mean number of low-level steps.
+        level: Level of difficulty.
+        strategy: Name of the algorithm.
+        problems: Number of problems.
+        solved: Number of solved problems.
+        seconds: Mean time [s].
+        plans: Mean number of high-level plans.
+        steps: Mean number of low-level steps.
     """
 
     level: str

@@ -1,4 +1,4 @@
-"""The folder of a run as what a report is made of: a table with a row a run, and how the runs were made."""
+"""Input of a report, read from a folder of runs: a table with one row per run, and the conditions of the runs."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -16,7 +16,7 @@ from ictamp_drake.runs.records import OWN, Record, read_records
 from ictamp_drake.scenes.levels import LEVELS
 
 UNNAMED = "unnamed"
-"""Strategy of records without one."""
+"""Name of the strategy of records without one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,10 +24,10 @@ class Regime:
     """Runs under equal conditions.
 
     Attributes:
-        name: of the folder.
-        runs: a row a run, see `tabulate_runs`.
-        about: how they were made: what it is, and its value.
-        time_limit: of every run [s]; None when it is not known or not the same for all.
+        name: Name of the folder.
+        runs: Table with one row per run, see `tabulate_runs`.
+        about: Conditions of the runs, as names and values.
+        time_limit: Time limit of every run [s]; None when it is not known or not the same for all.
     """
 
     name: str
@@ -37,15 +37,15 @@ class Regime:
 
     @property
     def strategies(self) -> list[str]:
-        """In the order in which their first records were written."""
+        """Names of the strategies, in the order in which their first records were written."""
         return list(self.runs["strategy"].cat.categories)
 
 
 def read_regime(folder: Path) -> Regime:
-    """The finished runs of a folder.
+    """Read the finished runs of a folder.
 
     Raises:
-        IctampError: the folder holds no records or no finished one, or a file in it is not what it should be.
+        IctampError: The folder holds no records or no finished run, or a file in it is invalid.
     """
     if not (folder / RESULTS).is_file():
         runs = sorted(path.parent.name for path in folder.parent.glob(f"*/{RESULTS}"))
@@ -64,14 +64,18 @@ def read_regime(folder: Path) -> Regime:
 
 
 def tabulate_runs(records: Sequence[Record], time_limit: float | None = None) -> pd.DataFrame:
-    """A row a run, sorted by level, strategy, problem and seed.
+    """Tabulate the records with one row per run, sorted by level, strategy, problem and seed.
 
-    Columns: `strategy`, `level`, `problem`, `seed`, `solved`; `seconds` until it ended, of processor time where the
-    record has it, which neighbours on the machine do not lengthen; `counted`, the same, but the
-    time limit for one that was not solved; `plans`, `steps`, `failed` of the steps; `length` of the plan, `duration`
-    on the arm [s], `replay`, the computing time of executing it alone, `executions`, how often that was done at least,
-    `pace`, the computing time of a second of it, and `paced`, the time divided by that, nan when unsolved, not known or
-    of an empty plan; `interference`; and as in the record `failures`, `stages` and `depths`.
+    Columns:
+    `strategy`, `level`, `problem`, `seed`, `solved`.
+    `seconds` until the run ended, in processor time where the record has it: other processes do not lengthen it.
+    `counted`, equal to `seconds`, but to the time limit for an unsolved run.
+    `plans` and `steps`; `failed`, the number of failed steps.
+    `executions`, minimum number of times that the plan was executed.
+    `length` of the plan; `duration` on the arm [s]; `replay`, computing time of executing the plan alone [s]; `pace`,
+    computing time for a second of the plan; `paced`, `seconds` divided by `pace`. These are nan when unsolved or not
+    known, `pace` and `paced` also for an empty plan.
+    `interference`; and, as in the record, `failures`, `stages` and `depths`.
     """
     strategies = [record.strategy or UNNAMED for record in records]
     levels = [record.level or OWN for record in records]
@@ -109,12 +113,12 @@ def _number(value: float | None) -> float:
 
 
 def _rank(level: str) -> tuple[int, str]:
-    """Easy to hard, and then all others."""
+    """Rank of a level: easy to hard, then all others by name."""
     return ([*LEVELS, level].index(level), level)
 
 
 def _values(config: Any, key: str) -> Iterator[Any]:
-    """All values of a key, however deep it is."""
+    """All values of a key, at any depth."""
     if isinstance(config, dict):
         yield from [config[key]] if key in config else []
         for value in config.values():
@@ -134,7 +138,7 @@ def _count_runs(records: Sequence[Record], finished: Sequence[Record]) -> str:
 
 
 def _describe_runs(config: dict[str, Any], records: Sequence[Record]) -> dict[str, str]:
-    """Program, commit, machine, load and limits; no paths, which differ between machines."""
+    """Describe program, commit, machine, load and limits, but no paths, which differ between machines."""
     load = [record.load[0] for record in records if record.load]
     named = {
         "program": _list_values(config, "program"),
@@ -151,7 +155,7 @@ def _describe_runs(config: dict[str, Any], records: Sequence[Record]) -> dict[st
 
 
 def _list_values(config: dict[str, Any], key: str) -> str:
-    """Its different values, in order of appearance; empty when there is none."""
+    """List the different values of a key, in order of appearance; empty when there are none."""
     shown = (
         "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
         for value in _values(config, key)

@@ -1,4 +1,4 @@
-"""The page of results: what was run, what it shows, and the tables and pictures that it rests on."""
+"""The page of results: the runs, what they show, and the tables and pictures behind it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,64 +12,64 @@ from ictamp_drake.reports.published import TIME_LIMIT
 from ictamp_drake.reports.regime import Regime
 
 TABLE_1 = (
-    "Means and medians are over the solved runs, as in the paper. Times are processor times where records have them, "
-    "and else those of the clock. Here and below, they are divided by the `pace ratio` of strategy and level where "
-    "that is known. `share`: with Wilson's interval; further seeds of a problem do not narrow it. `mean time, all`: "
-    "over all runs, unsolved ones too. `plans`: high-level plans opened. `steps`: low-level steps, each a run of a "
-    "skill, kinematics and physics together. `duration`: time that the found plan takes the arm. Also as "
-    "[LaTeX]({latex}) and [CSV]({csv})."
+    "Means and medians are over the solved runs, as in the paper. Times are processor times where the records have "
+    "them, and wall-clock times otherwise. Here and below they are divided by the `pace ratio` of strategy and level, "
+    "where that is known. `share`: with Wilson's interval; further seeds of a problem do not narrow it. `mean time, "
+    "all`: over all runs, solved or not. `plans`: high-level plans opened. `steps`: low-level steps, each one run of a "
+    "skill, kinematics and physics together. `duration`: how long the plan takes the arm. Also as [LaTeX]({latex}) and "
+    "[CSV]({csv})."
 )
 
 PAPER = (
     f"Within {TIME_LIMIT:,.0f} s a problem. Scenes, simulator, arm, skills, limits and machine differ from ours, so "
-    "rows of this table and of those above do not compare planners; rows of one table do. The intervals are ours."
+    "rows of this table cannot be compared with rows of those above; rows of one table can. The intervals are ours."
 )
 
 PAIRED = (
-    "Same problem, same seed. `p`: McNemar's exact test of the runs that only one of both solved, in which the seeds "
-    "of a problem keep together. `p (Holm)`: the same when all tests of the table are looked at; a difference counts "
-    f"as shown below {verdicts.SIGNIFICANT}. Ratios: the strategy's figure as a multiple of the reference's, median "
-    "over the problems that both solved, with a bootstrap interval of 95 % from samples of problems; a difference "
-    "counts as shown when 1 is not in it. Each interval stands for itself: where nothing differs, 1 in 20 would still "
-    "say so. Problems that one of both left unsolved are not in the ratios. `pace ratio`, where it is known of "
-    "three in four or more: of the computing time for a second of the found plan, 1 when the machine was as fast for "
-    "both. There, `time ratio` is of the time divided by that, run by run."
+    "Each pair has the same problem and the same seed. `p`: McNemar's exact test of the runs that only one of the two "
+    "solved; the seeds of a problem are kept together. `p (Holm)`: corrected for all tests of the table; a difference "
+    f"counts as shown below {verdicts.SIGNIFICANT}. Ratios: the strategy's figure as a multiple of the reference's, "
+    "median over the problems that both solved, with a 95 % bootstrap interval over problems; a difference counts as "
+    "shown when 1 is outside. The intervals are not corrected: where nothing differs, 1 in 20 would still exclude 1. "
+    "Problems that one of the two left unsolved are not in the ratios. `pace ratio`, where it is known of three in "
+    "four runs or more: the computing time for a second of the plan that was found, as a ratio; 1 when the machine "
+    "was equally fast for both. There, each run's time is divided by it before `time ratio` is computed."
 )
 
 HEADROOM = (
-    "Two bounds as multiples of each strategy's time, median over the problems that both solved, with an interval as "
-    "above; where one is near 1, little is left to gain. The virtual best knows beforehand which strategy of the "
-    "regime is the quickest on each problem and seed, so that no choice among them gains more. It flatters, as chance "
-    "has a part in every time and it is the least of several. And no search whatever saves the execution of its plan, "
-    "or the two executions of runs by earlier versions, which verified it once more: here, of the plan that is the "
-    "quickest to execute of all that were found with the problem and seed."
+    "Two bounds, each as a multiple of a strategy's time: median over the problems that both solved, with an interval "
+    "as above. Where one is near 1, little is left to gain. The virtual best knows beforehand which strategy of the "
+    "regime is the quickest on each problem and seed, so no choice among them gains more. It is optimistic: every time "
+    "is partly luck, and it takes the least of several. The second bound is the execution of the plan, which no search "
+    "saves (two executions in runs by earlier versions, which verified it once more): here, of the plan that is the "
+    "quickest to execute of all that were found for the problem and seed."
 )
 
 SEARCH = (
     "The tree of one search after each quarter of its plans and steps (paper, Figure 1). A disc is a node, in the "
-    "colour of the plan that led to it; a cross is a failed step; what is new since the picture before is dark; green "
-    "is the way to the goal. The same for any problem, to step through and with replays, is in the `search.html` that "
-    "`ictamp_drake.experiments.packing` leaves."
+    "color of the plan that led to it; a cross is a failed step; what is new since the last picture is dark; the way "
+    "to the goal is green. `ictamp_drake.experiments.packing` writes the same for every problem as `search.html`, to "
+    "step through and with replays."
 )
 
 EFFORT = (
     "Means over all runs, solved or not. `failed steps`: share of the low-level steps. Medians of the solved runs: "
-    "`steps / skill`, low-level steps for each skill of the plan, 1 at best; `overhead`, time of the run as a multiple "
-    "of what executing its plan once takes to compute."
+    "`steps / skill`, low-level steps per skill of the plan, at best 1; `overhead`, the run's time as a multiple of "
+    "the computing time of one execution of its plan."
 )
 
 STAGES = "Mean seconds of a run by stage."
 
 DEPTHS = (
-    "Mean low-level steps of a run by the depth of the node that they start from; the darker, the larger their share. "
+    "Mean low-level steps of a run by the depth of the node from which they start; the darker, the larger their share. "
     "A search in which nothing fails takes one at each depth of its plan."
 )
 
 SCENES = "A problem of each level, and one of each kind of interference (paper, Figure 2)."
 
 INTERFERENCE = (
-    "Solved runs and their median time by what is done to the boxes outside the goal; a problem with several kinds is "
-    "in several rows. Levels that do not name any are left out."
+    "Solved runs and their median time, by what is done to the boxes outside the goal. A problem with several kinds of "
+    "interference is in several rows. Levels without interference are left out."
 )
 
 
@@ -78,11 +78,11 @@ class Chapter:
     """A regime with its comparisons.
 
     Attributes:
-        regime: the runs.
-        reference: strategy that all others are held against.
-        comparisons: of all others, strategy by strategy and level by level.
-        p: of these, when all with runs in common are looked at.
-        pictures: where they are, seen from the page, by what they show.
+        regime: Runs under equal conditions.
+        reference: Strategy with which all others are compared.
+        comparisons: Comparisons of all other strategies with the reference, strategy by strategy and level by level.
+        p: Probabilities of the comparisons, adjusted for the number of tests; only those with common runs are tested.
+        pictures: Paths of the pictures relative to the page, by what they show.
     """
 
     regime: Regime
@@ -93,7 +93,7 @@ class Chapter:
 
     @classmethod
     def create(cls, regime: Regime, reference: str, pictures: Mapping[str, str]) -> "Chapter":
-        """Hold every strategy of the regime against one of them."""
+        """Compare every strategy of the regime with the reference."""
         rivals = (name for name in regime.strategies if name != reference)
         comparisons = [each for name in rivals for each in compare_strategies(regime.runs, name, reference)]
         raised = iter(adjust_for_multiplicity([each.p for each in comparisons if each.pairs]))
@@ -101,22 +101,22 @@ class Chapter:
         return cls(regime, reference, comparisons, p, pictures)
 
     def picture(self, what: str) -> list[str]:
-        """The lines that show it, none where it was not drawn."""
+        """Lines that show a picture; none when it was not drawn."""
         return [_image(f"{what}, {self.regime.name}", self.pictures[what])] if what in self.pictures else []
 
 
 def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> str:
-    """The page in Markdown.
+    """Write the page in Markdown.
 
     Args:
-        chapters: a regime each.
-        typed: command that made the page.
-        files: where these are, seen from the page: figure_2, table_1.tex, table_1.csv and, if there are any, figure_1
-            and figure_3.
+        chapters: Chapters of the page, one per regime.
+        typed: Command that made the page.
+        files: Paths relative to the page of figure_2, table_1.tex, table_1.csv and, if there are any, figure_1 and
+            figure_3.
     """
     about = TABLE_1.format(latex=files["table_1.tex"], csv=files["table_1.csv"])
     parts = [
-        ["# Results", "", "This page, its tables and its pictures are made by", "", "```", typed, "```", ""],
+        ["# Results", "", "This command made the page, its tables and its pictures:", "", "```", typed, "```", ""],
         [*_conditions_table(chapters), ""],
         _section("What is and is not significant", PAIRED, chapters, _significance),
         _figure("Scenes", SCENES, "Figure 2", files["figure_2"]),
@@ -137,7 +137,7 @@ def page(chapters: Sequence[Chapter], typed: str, files: Mapping[str, str]) -> s
 
 
 def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[Chapter], Sequence[str]]) -> list[str]:
-    """What there is of every regime, below its name; nothing when there is nothing of any."""
+    """Section with the lines of every regime below its name; empty when no regime has any."""
     found = {chapter.regime.name: of(chapter) for chapter in chapters}
     if not any(found.values()):
         return []
@@ -146,7 +146,7 @@ def _section(title: str, text: str, chapters: Sequence[Chapter], of: Callable[[C
 
 
 def _figure(title: str, text: str, what: str, link: str | None) -> list[str]:
-    """A section of one picture; nothing when there is none."""
+    """Section of one picture; empty when there is none."""
     return [f"## {title}", "", *([text, ""] if text else []), _image(what, link), ""] if link else []
 
 
@@ -155,7 +155,7 @@ def _image(what: str, link: str) -> str:
 
 
 def _conditions_table(chapters: Sequence[Chapter]) -> list[str]:
-    """A column a regime: how its runs were made."""
+    """Table of the conditions of the runs, one column per regime."""
     what = dict.fromkeys(name for chapter in chapters for name in chapter.regime.about)
     rows = [[name, *(chapter.regime.about.get(name, "-") for chapter in chapters)] for name in what]
     return table(["regime", *(chapter.regime.name for chapter in chapters)], rows)
@@ -163,15 +163,17 @@ def _conditions_table(chapters: Sequence[Chapter]) -> list[str]:
 
 def _significance(chapter: Chapter) -> list[str]:
     if not chapter.comparisons:
-        return [f"`{chapter.reference}` is the only strategy, so there is nothing to compare."]
+        return [f"`{chapter.reference}` is the only strategy: there is nothing to compare."]
     return verdicts.summary(chapter.comparisons, chapter.p)
 
 
 def _table_1(chapter: Chapter) -> list[str]:
     limit = chapter.regime.time_limit
-    counted = "the time that they took, since no one limit is known" if limit is None else f"the limit of {limit:g} s"
+    counted = (
+        "the time that they took, since there was no single limit" if limit is None else f"the limit of {limit:g} s"
+    )
     rows = results_table.table_1(chapter.regime.name, chapter.regime.runs)
-    return [f"In `mean time, all`, unsolved runs count with {counted}.", "", *results_table.markdown(rows)]
+    return [f"In `mean time, all`, an unsolved run counts as {counted}.", "", *results_table.markdown(rows)]
 
 
 def _paired_table(chapter: Chapter) -> list[str]:

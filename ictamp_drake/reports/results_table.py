@@ -33,20 +33,20 @@ PUBLISHED = "published"
 
 @dataclass(frozen=True)
 class ResultRow:
-    """A strategy on a level. Means and medians are over the solved runs, nan where there is none.
+    """A strategy on a level. Means and medians are over the solved runs, and nan when there are none.
 
     Attributes:
-        source: regime, or `PUBLISHED`.
-        level, strategy: their names.
-        runs: a problem with one seed is one run.
-        problems: different ones.
-        solved: runs that were solved.
-        share: of the runs that were solved, see `wilson`.
-        mean_s, median_s: time [s].
-        all_mean_s: mean time of all runs, where an unsolved one counts with the time limit if that is known [s].
-        plans: mean number of high-level plans.
-        steps, median_steps: number of low-level steps.
-        duration_s: mean time that a plan takes the arm; nan also when it is not known of each [s].
+        source: Name of the regime, or `PUBLISHED`.
+        level, strategy: Names of the level and the strategy.
+        runs: Number of runs; a problem with one seed is one run.
+        problems: Number of different problems.
+        solved: Number of solved runs.
+        share: Share of solved runs, see `wilson`.
+        mean_s, median_s: Mean and median time [s].
+        all_mean_s: Mean time of all runs; an unsolved run counts with the time limit if that is known [s].
+        plans: Mean number of high-level plans.
+        steps, median_steps: Mean and median number of low-level steps.
+        duration_s: Mean time that the arm needs for a plan [s]; also nan when it is not known for each plan.
     """
 
     source: str
@@ -66,7 +66,12 @@ class ResultRow:
 
 
 def table_1(source: str, runs: pd.DataFrame) -> list[ResultRow]:
-    """A row a level and strategy that ran there; of `runs` see `regime.tabulate_runs`."""
+    """Compute one row for each level and each strategy that ran there.
+
+    Args:
+        source: Name of the regime.
+        runs: Table of the runs, see `regime.tabulate_runs`.
+    """
     groups = runs.groupby(["level", "strategy"], observed=True)
     return [_row(source, str(level), str(strategy), group) for (level, strategy), group in groups]
 
@@ -93,7 +98,7 @@ def _row(source: str, level: str, strategy: str, runs: pd.DataFrame) -> ResultRo
 
 
 def published_rows() -> list[ResultRow]:
-    """The paper's Table 1, with our intervals."""
+    """Rows of the paper's Table 1, with our intervals."""
     return [
         ResultRow(
             source=PUBLISHED,
@@ -113,12 +118,12 @@ def published_rows() -> list[ResultRow]:
 
 
 def wilson(share: float, problems: int) -> Interval:
-    """A share with Wilson's interval of 95 %.
+    """Share with Wilson's interval of 95 %.
 
     Args:
-        share: of the runs.
-        problems: how many were run. Seeds of one problem are not independent, so that further ones do not narrow the
-            interval, which is too wide then rather than too narrow.
+        share: Share of the runs.
+        problems: Number of problems that were run. Seeds of one problem are not independent, so further seeds do not
+            narrow the interval; it is then too wide rather than too narrow.
     """
     z = float(ndtri((1 + LEVEL) / 2))
     scale = 1 + z**2 / problems
@@ -128,12 +133,12 @@ def wilson(share: float, problems: int) -> Interval:
 
 
 def format_number(value: float, digits: int = 1) -> str:
-    """With so many digits after the point, "-" for nothing."""
+    """Format a number with this many digits after the point, or "-" for nan."""
     return "-" if math.isnan(value) else f"{value:.{digits}f}"
 
 
 def cells(row: ResultRow) -> list[str]:
-    """What stands below `HEADINGS`."""
+    """Format the cells below `HEADINGS`."""
     times = map(format_number, (row.mean_s, row.median_s, row.all_mean_s))
     steps = map(format_number, (row.steps, row.median_steps, row.duration_s))
     share = f"{row.share.value:.0%} ({row.share.low:.0%} to {row.share.high:.0%})".replace("%", " %")
@@ -141,12 +146,12 @@ def cells(row: ResultRow) -> list[str]:
 
 
 def markdown(rows: Sequence[ResultRow]) -> list[str]:
-    """The lines of a table in Markdown; columns that hold nothing are left out."""
+    """Format the lines of a table in Markdown, without empty columns."""
     return table(*drop_empty_columns(HEADINGS, list(map(cells, rows))), left=2)
 
 
 def latex(rows: Sequence[ResultRow]) -> str:
-    """A tabular for the package booktabs, with a rule between levels and a heading for each source."""
+    """Format a LaTeX tabular for the package booktabs, with a rule between levels and a heading for each source."""
     headings, body = drop_empty_columns(HEADINGS, list(map(cells, rows)))
     lines = [rf"\begin{{tabular}}{{ll{'r' * (len(headings) - 2)}}}", r"\toprule", _line(headings)]
     for source, part in groupby(zip(rows, body, strict=True), key=lambda pair: pair[0].source):
@@ -159,7 +164,7 @@ def latex(rows: Sequence[ResultRow]) -> str:
 
 
 def as_csv(rows: Sequence[ResultRow]) -> str:
-    """All figures as they are."""
+    """Format all figures as CSV, with six significant digits."""
     bounds = ({"share_low": row.share.low, "share_high": row.share.high} for row in rows)
     values = [
         dataclasses.asdict(row) | {"share": row.share.value} | more for row, more in zip(rows, bounds, strict=True)
@@ -172,6 +177,6 @@ def _line(values: Sequence[str]) -> str:
 
 
 def _escape_latex(text: str) -> str:
-    """The text as LaTeX shows it."""
+    """Escape the characters that LaTeX treats as commands."""
     words = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     return "".join(words.get(each, rf"\{each}" if each in "&%$#_{}" else each) for each in text)

@@ -1,4 +1,4 @@
-"""How strategies search: effort, failures and kinds of interference, as tables in Markdown.
+"""Tables in Markdown about the search of each strategy: effort, failures and kinds of interference.
 
 Runs are the rows of `regime.tabulate_runs`.
 """
@@ -36,7 +36,7 @@ STEP_STAGES = ["sampling", "motion", "physics", "abstraction"]
 
 
 def effort(runs: pd.DataFrame) -> list[str]:
-    """What a run takes, solved or not: plans opened, low-level steps, what one costs, and how many of them fail."""
+    """Table of the effort of a run, solved or not: plans opened, low-level steps, their cost, and how many fail."""
     groups = runs.groupby(["level", "strategy"], observed=True)
     return table(EFFORT, [[*names, *_effort(group)] for names, group in groups], left=2)
 
@@ -56,7 +56,7 @@ def _effort(runs: pd.DataFrame) -> list[str]:
 
 
 def stages(runs: pd.DataFrame) -> list[str]:
-    """Mean seconds of a run in each stage."""
+    """Table of the mean seconds of a run in each stage."""
     seconds = seconds_by_stage(runs)
     headings = ["level", "strategy", *(str(stage).replace("_", " ") for stage in seconds)]
     rows = zip(seconds.index, seconds.to_numpy(np.float64), strict=True)
@@ -64,7 +64,7 @@ def stages(runs: pd.DataFrame) -> list[str]:
 
 
 def failures(runs: pd.DataFrame) -> list[str]:
-    """Failed steps by cause, and which share of the strategy's steps they are; a column a strategy."""
+    """Table of failed steps by cause, with their share of the strategy's steps; one column per strategy."""
     counts = {name: _sum_failures(group["failures"]) for name, group in runs.groupby("strategy", observed=True)}
     steps = runs.groupby("strategy", observed=True)["steps"].sum()
     causes = [cause.name for cause in Failure if any(cause.name in of for of in counts.values())]
@@ -75,9 +75,9 @@ def failures(runs: pd.DataFrame) -> list[str]:
 
 
 def interference(runs: pd.DataFrame) -> list[str]:
-    """Solved runs and their median time [s] by level and kind of interference; a column a strategy.
+    """Table of solved runs and their median time [s] by level and kind of interference; one column per strategy.
 
-    A problem with several kinds counts for each of them; a level of which no problem has one is left out.
+    A problem with several kinds counts for each of them; a level without any interference is left out.
     """
     strategies = list(runs["strategy"].cat.categories)
     rows = []
@@ -104,5 +104,5 @@ def _sentence(cause: str) -> str:
 
 
 def _share(count: int, steps: int) -> str:
-    """E.g. "12 (3.1 %)"."""
+    """Format a count with its share, e.g. "12 (3.1 %)"."""
     return f"{count} ({count / steps:.1%})".replace("%", " %") if count else "0"

@@ -1,4 +1,4 @@
-"""Comparisons, summed up and as a table: what is shown, and what is not."""
+"""Summary and table of comparisons: which differences are significant and which are not."""
 
 import math
 from collections import defaultdict
@@ -13,16 +13,16 @@ SIGNIFICANT = 0.05
 NOT_SHOWN = "no difference shown"
 
 TIME, STEPS = ("faster", "slower"), ("fewer steps", "more steps")
-"""What less and more of each is called."""
+"""Words for less and for more of each."""
 
 TITLES: dict[frozenset[int] | None, str] = {
     frozenset({1}): "Better than `{}`",
     frozenset({-1}): "Worse than `{}`",
-    frozenset({1, -1}): "Better than `{}` in one figure and worse in another",
-    frozenset(): "No difference to `{}` shown",
-    None: "No run in common with `{}`",
+    frozenset({1, -1}): "Better than `{}` in one measure, worse in another",
+    frozenset(): "No difference from `{}` shown",
+    None: "No runs in common with `{}`",
 }
-"""Of groups of comparisons by the signs of what is shown, see `_signs`; None where there is nothing to compare."""
+"""Titles of groups of comparisons by the signs of their differences, see `_signs`; None for no runs to compare."""
 
 HEADINGS = (
     "level",
@@ -43,11 +43,11 @@ HEADINGS = (
 
 
 def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """What is and is not shown, as lines in Markdown: strategies in groups, with the levels where it is so.
+    """Summarize what is and is not significant, as lines in Markdown: groups of strategies, each with its levels.
 
     Args:
-        comparisons: with the same reference.
-        p: their probabilities as `comparison.adjust_for_multiplicity` has them.
+        comparisons: Comparisons with the same reference.
+        p: Probabilities of the comparisons, adjusted by `comparison.adjust_for_multiplicity`.
     """
     groups = {signs: defaultdict[str, list[str]](list) for signs in TITLES}
     for each, adjusted in zip(comparisons, p, strict=True):
@@ -65,12 +65,12 @@ def summary(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
 
 
 def rows(comparisons: Sequence[Comparison], p: Sequence[float]) -> list[str]:
-    """The lines of a table in Markdown with everything that the summary rests on."""
+    """Format a table in Markdown with all figures behind the summary."""
     return table(*drop_empty_columns(HEADINGS, [_cells(*each) for each in zip(comparisons, p, strict=True)]), left=2)
 
 
 def verdict(interval: Interval | None, less: str, more: str) -> str:
-    """What a ratio and its interval show."""
+    """Put into words what a ratio and its interval show."""
     if interval is None:
         return "no problem in common"
     if math.isnan(interval.low):
@@ -79,7 +79,7 @@ def verdict(interval: Interval | None, less: str, more: str) -> str:
 
 
 def _signs(comparison: Comparison, p: float) -> list[tuple[int, str]]:
-    """Every difference that is shown: 1 where the strategy is better and -1 where it is worse, and the figures."""
+    """Every significant difference: 1 where the strategy is better and -1 where it is worse, with the figures."""
     shown = []
     if p < SIGNIFICANT:
         sign = 1 if comparison.only[0] > comparison.only[1] else -1
@@ -113,12 +113,12 @@ def _cells(comparison: Comparison, p: float) -> list[str]:
 
 
 def probability(p: float) -> str:
-    """Two digits, and no more than a bound for what is very small."""
+    """Format a probability with two digits, or as an upper bound when it is very small."""
     return "< 0.0001" if p < 0.0001 else f"{p:.2g}"
 
 
 def format_ratio(interval: Interval | None) -> str:
-    """With its interval, "-" for none."""
+    """Format a ratio with its interval, or "-" for None."""
     if interval is None:
         return "-"
     bounds = "" if math.isnan(interval.low) else f" ({interval.low:.2f} to {interval.high:.2f})"

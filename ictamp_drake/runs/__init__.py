@@ -1,1 +1,1 @@
-"""What every program does: options, one problem solved, a sweep over many, and the folder that a run leaves."""
+"""Common parts of all programs: options, solving one problem, sweeps over many, and the folder of a run."""

@@ -1,7 +1,7 @@
-"""What workers tell about their work while they are at it, in shared memory without locks.
+"""Live progress of the workers in shared memory without locks.
 
-A worker can be ended at any moment; a lock or queue that it held then would stop all others. Here the worst that can
-happen is that a number on the screen is wrong for a moment.
+A worker can be ended at any moment, and a lock or queue that it held would then stop all others. Without locks, the
+worst case is a number on the screen that is wrong for a moment.
 """
 
 import ctypes
@@ -26,14 +26,14 @@ class _Slot(ctypes.Structure):
 
 
 class Running(NamedTuple):
-    """A problem that is being solved.
+    """Problem that is being solved.
 
     Attributes:
-        slot: number of the problem.
-        seconds: since its start [s].
-        plans: high-level plans opened.
-        steps: low-level steps done.
-        doing: what happens at this moment.
+        slot: Number of the problem.
+        seconds: Time since its start [s].
+        plans: Number of high-level plans opened.
+        steps: Number of low-level steps done.
+        doing: Text about the current activity.
     """
 
     slot: int
@@ -44,7 +44,7 @@ class Running(NamedTuple):
 
 
 class Board:
-    """One slot for each problem, and the word to stop."""
+    """One slot for each problem, and a stop flag."""
 
     def __init__(self, context: SpawnContext, count: int) -> None:
         self._slots = context.RawArray(_Slot, count)
@@ -53,16 +53,16 @@ class Board:
 
     @property
     def stopping(self) -> bool:
-        """Whether everybody is asked to stop."""
+        """Whether all workers should stop."""
         return bool(self._stopping.value)
 
     def stop(self) -> None:
-        """Ask everybody to stop."""
+        """Ask all workers to stop."""
         self._stopping.value = True
 
     @property
     def url(self) -> str:
-        """Address of the live view, empty when there is none."""
+        """Address of the live view, or an empty string without one."""
         return bytes(self._url.value).decode()
 
     @url.setter
@@ -70,17 +70,17 @@ class Board:
         self._url.value = address.encode()
 
     def start(self, slot: int) -> None:
-        """The work on a problem begins."""
+        """Mark the start of the work on a problem."""
         self._slots[slot].started = time.monotonic()
         self._say(slot, "loading the scene")
         self._slots[slot].running = True
 
     def finish(self, slot: int) -> None:
-        """The work on a problem is over."""
+        """Mark the end of the work on a problem."""
         self._slots[slot].running = False
 
     def seconds(self, slot: int) -> float:
-        """Time since the work on a problem began, 0 when it never did [s]."""
+        """Time since the work on a problem began [s], or 0 if it never did."""
         started = self._slots[slot].started
         return time.monotonic() - started if started else 0.0
 
@@ -92,7 +92,7 @@ class Board:
                 here.plans += event.plan is not None
             case StepStarted():
                 self._say(slot, str(event.action))
-            case StepDone():  # a step that follows begins at once, so these texts stay only when none does
+            case StepDone():  # the next step begins at once, so these texts remain only if there is none
                 here.steps += 1
                 self._say(slot, "looking for a plan" if event.child is None else "verifying the plan")
             case Verified():
@@ -102,7 +102,7 @@ class Board:
         self._slots[slot].doing = text.encode()[: _TEXT - 1]
 
     def list_running(self) -> Iterator[Running]:
-        """The problems that are being solved now."""
+        """Yield the problems that are being solved now."""
         for number, slot in enumerate(self._slots):
             if slot.running:
                 doing = slot.doing.decode(errors="replace")

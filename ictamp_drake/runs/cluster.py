@@ -1,4 +1,4 @@
-"""Tasks on a Ray cluster. A task whose node dies is run again on another one; its result arrives once."""
+"""Tasks on a Ray cluster. If a node dies, its tasks run again on another node. Each result arrives once."""
 
 import logging
 import socket
@@ -17,27 +17,30 @@ T = TypeVar("T")
 Start = tuple[Callable[..., None], tuple[Any, ...]]
 
 RETRIES = 3
-"""Nodes on which a task may be lost."""
+"""Maximum number of times that a task may be lost with its node."""
 
 
 class Cluster:
-    """Processes of all nodes, one for each core; see `engine.Engine`."""
+    """Processes on all nodes, one per core. See `engine.Engine`."""
 
     def __init__(self, start: Start) -> None:
         self._start = ray.put(start)
         self._task: Any = ray.remote(num_cpus=1, max_retries=RETRIES)(_run_isolated)
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
-        """What a process will return; TimeoutError after so many seconds, another exception when it died."""
+        """Run a function in a process of the cluster.
+
+        The future raises TimeoutError after `timeout` [s], and another exception when the process dies.
+        """
         return self._task.remote(self._start, function, arguments, timeout).future()
 
 
 @contextmanager
 def connect_cluster(address: str | None, start: Callable[..., None], *arguments: Any) -> Iterator[Cluster]:
-    """A connection to a cluster, which ends with the block, and with it all tasks that are not done.
+    """Connect to a cluster. The end of the block closes the connection and ends all unfinished tasks.
 
     Raises:
-        IctampError: there is no cluster at the address.
+        IctampError: There is no cluster at the address.
     """
     _knock(address)
     ray.init(address=address, log_to_driver=False, logging_level=logging.ERROR)
@@ -48,7 +51,7 @@ def connect_cluster(address: str | None, start: Callable[..., None], *arguments:
 
 
 def _knock(address: str | None) -> None:
-    """Raise IctampError when nobody listens at a host and port; Ray itself would wait for minutes."""
+    """Raise IctampError when nothing listens at the host and port. Ray itself would wait for minutes."""
     host, _, port = (address or "").removeprefix("ray://").rpartition(":")
     if port.isdigit():
         try:
@@ -59,7 +62,7 @@ def _knock(address: str | None) -> None:
 
 
 def _run_isolated(start: Start, function: Callable[..., T], arguments: tuple[Any, ...], timeout: float) -> T:
-    """In Ray's own process, which must neither die nor hang: run the task in a process beside it."""
+    """Run the task in a process beside Ray's own process, which must neither die nor hang."""
     return _pool(*start).submit(function, *arguments, timeout=timeout).result()
 
 
@@ -68,5 +71,5 @@ _kept = ExitStack()
 
 @cache
 def _pool(start: Callable[..., None], arguments: tuple[Any, ...]) -> Pool:
-    """A process beside this one, which lasts as long."""
+    """Return a process beside this one, which lives as long as this one."""
     return _kept.enter_context(start_pool(1, start, *arguments))

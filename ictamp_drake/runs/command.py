@@ -1,4 +1,4 @@
-"""From a command line to an exit code: what every program does around its own work."""
+"""Common frame of all programs, from the command line to the exit code."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -12,7 +12,7 @@ from ictamp_drake.core.errors import IctampError
 T = TypeVar("T")
 
 COMPLETE, BROKEN, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit codes: all came to an end, with or without success; some broke down; a mistake of the user; Ctrl-C."""
+"""Exit codes: all problems finished, solved or not; some broke down; invalid input; Ctrl-C."""
 
 
 def command(
@@ -25,11 +25,11 @@ def command(
     """Run a program and return its exit code.
 
     Args:
-        name: of its module.
-        options: dataclass that its command line is derived from.
-        act: the program's work; returns its exit code.
-        interrupted: what is said on Ctrl-C.
-        arguments: command line, that of the process by default.
+        name: Name of the program's module.
+        options: Dataclass that defines the command line.
+        act: Function that does the work and returns the exit code.
+        interrupted: Message on Ctrl-C.
+        arguments: Command line, by default that of the process.
     """
     console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
     config = (tyro.conf.FlagCreatePairsOff,)

@@ -1,4 +1,4 @@
-"""How a run is carried out: options of all programs that solve problems."""
+"""Options of a run, shared by all programs that solve problems."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,17 +12,18 @@ from ictamp_drake.runs.engine import EngineConfig
 
 @dataclass(frozen=True)
 class Conduct:
-    """How a run is carried out, which changes nothing in how its problems are solved.
+    """Options of a run. They do not affect the way in which its problems are solved.
 
     Attributes:
-        out: folder for what the run leaves; by default a new one in runs/, named by program and time. Naming the
-            folder of an unfinished run continues it.
-        resume: continue a run, without --out the latest of this program in runs/.
-        artefacts: what is kept of each problem: all; plan, only scene.yaml and plan.yaml; none, only its record.
-        meshcat: show what is planned live in a browser on this machine, with one worker of its own.
-        grace: how long a problem may take beyond its time limit, to finish a step, to verify and to write what it
-            leaves, before its process is ended [s].
-        engine: where problems are solved, one by each process at a time.
+        out: Folder for the results of the run. By default a new one in runs/, named after the program and the time. The
+            folder of an unfinished run is continued.
+        resume: Continue the run in --out, or by default the latest run of this program in runs/.
+        artefacts: Files to keep for each problem: all of them (all), only scene.yaml and plan.yaml (plan), or only the
+            record (none).
+        meshcat: Show the planning live in a browser on this machine, with a single worker.
+        grace: Extra time after the time limit of a problem to finish a step, verify the plan and write the results,
+            before its process is ended [s].
+        engine: Processes that solve problems, each one problem at a time.
     """
 
     out: Path | None = None

@@ -1,4 +1,4 @@
-"""Where tasks run: in processes of this machine or of a Ray cluster, each of which can die alone, or in this one."""
+"""Engines that run tasks: isolated processes on this machine or on a Ray cluster, or this process itself."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -17,22 +17,25 @@ T = TypeVar("T")
 
 
 class Engine(Protocol):
-    """Runs tasks."""
+    """Runner of tasks."""
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
-        """What the function will return; TimeoutError after so many seconds, another exception if it dies."""
+        """Run a function and return the future of its result.
+
+        The future raises TimeoutError after `timeout` [s], and another exception if the function or its process dies.
+        """
 
 
 @dataclass(frozen=True)
 class EngineConfig:
-    """Where tasks run.
+    """Options of the engine that runs tasks.
 
     Attributes:
-        engine: local, processes of this machine; ray, those of a Ray cluster, one a core (`pip install
-            "ictamp_drake[ray]"`).
-        workers: processes of this machine.
-        ray_address: of the cluster, e.g. 10.0.0.1:6379; by default RAY_ADDRESS, a cluster that runs on this machine,
-            or a new one on it.
+        engine: Engine that runs the tasks: processes on this machine (local), or on a Ray cluster with one process per
+            core (ray, needs `pip install "ictamp_drake[ray]"`).
+        workers: Number of processes on this machine.
+        ray_address: Address of the Ray cluster, e.g. 10.0.0.1:6379. By default RAY_ADDRESS, a cluster that already runs
+            on this machine, or a new one.
     """
 
     engine: Literal["local", "ray"] = "local"
@@ -49,21 +52,22 @@ class EngineConfig:
             raise IctampError(Code.NOT_INSTALLED, "ray is not installed", field="engine", value="ray", advice=advice)
 
     def count_local_workers(self, tasks: int) -> int:
-        """Number of processes of this machine that so many tasks are given to."""
+        """Number of processes on this machine for a number of tasks."""
         return min(self.workers, tasks) if self.engine == "local" else 0
 
     def is_inline(self, alone: bool) -> bool:
-        """Whether tasks run in this process, see `start`."""
+        """Whether tasks run in this process. See `start`."""
         return alone and self.engine == "local"
 
     @contextmanager
     def start(self, tasks: int, start: Callable[..., None], *arguments: Any, alone: bool = False) -> Iterator[Engine]:
-        """The engine at work, which ends with the block.
+        """Start the engine. It stops at the end of the block.
 
         Args:
-            tasks: so many are expected; no more workers are started.
-            start: called in each process with the arguments before its first task; calls `end_with_parent`.
-            alone: whether tasks of this machine run in this process, where one that dies takes all others with it.
+            tasks: Expected number of tasks, which also limits the number of workers.
+            start: Function called with `arguments` in each process before its first task. It calls `end_with_parent`.
+            *arguments: Arguments of `start`.
+            alone: Whether local tasks run in this process, where a task that dies takes all others with it.
         """
         if self.is_inline(alone):
             with start_inline(start, *arguments) as process:

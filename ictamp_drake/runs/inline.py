@@ -1,4 +1,4 @@
-"""Tasks in this process: nothing to start, but nothing to fall back on when a task takes the process with it."""
+"""Tasks in this process. There is nothing to start, but a task that dies takes the whole process with it."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -12,14 +12,17 @@ T = TypeVar("T")
 
 
 class Inline:
-    """This process; see `engine.Engine`. A task is over when `submit` returns.
+    """Engine in this process. See `engine.Engine`. A task is finished when `submit` returns.
 
-    One that takes too long is ended at its next line of Python or the simulator's next step. Other native code that
-    never returns cannot be ended.
+    A task that takes too long ends at its next line of Python or at the next step of the simulator. Other native code
+    that never returns cannot be ended.
     """
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
-        """What the function returned; TimeoutError after so many seconds, another exception when it raised one."""
+        """Run the function and return a finished future.
+
+        The future raises TimeoutError if the function exceeded `timeout` [s], or the exception of the function.
+        """
         future: Future[T] = Future()
         try:
             with _alarm(timeout):
@@ -32,12 +35,12 @@ class Inline:
 
 
 class _OutOfTime(BaseException):
-    """Raised in the midst of a task, which must not catch it."""
+    """Raised inside a task, which must not catch it."""
 
 
 @contextmanager
 def start_inline(start: Callable[..., None], *arguments: Any) -> Iterator[Inline]:
-    """This process with one thread for each task, as workers have."""
+    """Prepare this process as an engine with one thread per task, like workers."""
     start(*arguments)
     with threadpool_limits(1):
         yield Inline()
@@ -45,7 +48,7 @@ def start_inline(start: Callable[..., None], *arguments: Any) -> Iterator[Inline
 
 @contextmanager
 def _alarm(seconds: float) -> Iterator[None]:
-    """Raise _OutOfTime in the block after so many seconds."""
+    """Raise _OutOfTime in the block after `seconds` [s]."""
 
     def ring(*_: object) -> None:
         raise _OutOfTime

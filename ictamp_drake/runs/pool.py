@@ -1,4 +1,4 @@
-"""Isolated worker processes: one thread each, a hard limit of time for each task, and none outlives the program."""
+"""Isolated worker processes with one thread each and a hard time limit per task. None outlives the program."""
 
 import multiprocessing
 import os
@@ -18,33 +18,37 @@ T = TypeVar("T")
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 CONTEXT = get_context("spawn")
-"""How processes are started: Drake does not survive a fork."""
+"""Start method of processes: Drake does not survive a fork."""
 
 
 class Pool:
-    """Processes of this machine; see `engine.Engine`."""
+    """Processes on this machine. See `engine.Engine`."""
 
     def __init__(self, processes: "ProcessPool") -> None:
         self._processes = processes
 
     def submit(self, function: Callable[..., T], *arguments: Any, timeout: float) -> Future[T]:
-        """What a process will return; TimeoutError after so many seconds, another exception when it died."""
+        """Run a function in a worker process.
+
+        The future raises TimeoutError after `timeout` [s], and another exception when the process dies.
+        """
         with _shield_children():
             return self._processes.schedule(function, arguments, timeout=timeout)
 
 
 @contextmanager
 def start_pool(workers: int, start: Callable[..., None], *arguments: Any) -> Iterator[Pool]:
-    """A pool of worker processes, which end with the block.
+    """Start a pool of worker processes. They stop at the end of the block.
 
     Args:
-        workers: how many processes.
-        start: called in each with the arguments before its first task; calls `end_with_parent`.
+        workers: Number of processes.
+        start: Function called with `arguments` in each process before its first task. It calls `end_with_parent`.
+        *arguments: Arguments of `start`.
     """
     from pebble import ProcessPool  # noqa: PLC0415  (one problem needs no pool)
 
     for name in THREADS:
-        os.environ[name] = "1"  # inherited by the workers, which share the cores already
+        os.environ[name] = "1"  # inherited by the workers, which already share the cores
     processes = ProcessPool(max_workers=workers, initializer=start, initargs=arguments, context=CONTEXT)
     try:
         yield Pool(processes)
@@ -55,7 +59,7 @@ def start_pool(workers: int, start: Callable[..., None], *arguments: Any) -> Ite
 
 @contextmanager
 def _shield_children() -> Iterator[None]:
-    """Processes and threads started here never see Ctrl-C, which a terminal sends to the whole family."""
+    """Block Ctrl-C for processes and threads started here. A terminal sends it to the whole process group."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -64,7 +68,7 @@ def _shield_children() -> Iterator[None]:
 
 
 def end_with_parent() -> None:
-    """From now on this process ends when its parent does, however that ends."""
+    """Make this process end when its parent ends, for whatever reason."""
     threading.Thread(target=_await_parent, daemon=True).start()
 
 

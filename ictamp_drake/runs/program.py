@@ -11,11 +11,10 @@ from rich.console import Console
 from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import RESULTS, open_run_folder
+from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.progress import Progress, format_clock, format_count
 from ictamp_drake.runs.records import Record, read_records
-from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.runs.table import format_results
-from ictamp_drake.runs.worker import Job
 
 T = TypeVar("T")
 
@@ -80,6 +79,8 @@ def _records(work: Work, folder: Path) -> dict[str, Record]:
 
 
 def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console) -> bool:
+    from ictamp_drake.runs.sweep import sweep  # noqa: PLC0415  (Drake takes long to load, and no help needs it)
+
     earlier = _records(work, folder).values()
     solved = sum(record.solved for record in earlier if record.is_final)
     start = time.monotonic()

@@ -1,4 +1,4 @@
-"""What a person sees while a run works: a line for each finished problem and, in a terminal, what is going on now."""
+"""Progress display of a run: a line for each finished problem and, in a terminal, the current activity."""
 
 import time
 from collections.abc import Sequence
@@ -14,17 +14,17 @@ from ictamp_drake.runs.board import Board, Running
 from ictamp_drake.runs.records import Record
 
 REFRESH = 5.0
-"""How often what is going on is shown anew [1/s]."""
+"""Refresh rate of the current activity [1/s]."""
 
 
 class Progress:
-    """Follows a sweep on a console; without a terminal it only prints the lines of finished problems.
+    """Shows the progress of a sweep on a console. Without a terminal it only prints a line for each finished problem.
 
     Args:
-        console: where to print.
-        names: of the problems, by their slot.
-        total: problems of the run, those finished in earlier sessions included.
-        solved: how many of the earlier ones were solved.
+        console: Console to print on.
+        names: Names of the problems, by slot.
+        total: Number of problems in the run, including those finished in earlier sessions.
+        solved: Number of problems solved in earlier sessions.
     """
 
     def __init__(self, console: Console, names: Sequence[str], total: int, solved: int) -> None:
@@ -54,7 +54,7 @@ class Progress:
             self._live.stop()
 
     def __call__(self, board: Board, records: Sequence[Record]) -> None:
-        """Show what is new; see `sweep.Watch`."""
+        """Show new records and refresh the display. See `sweep.Watch`."""
         self._board = board
         for record in records:
             self._records[record.name] = record
@@ -71,7 +71,7 @@ class Progress:
         return self._solved_earlier + sum(record.solved for record in self._records.values())
 
     def _now(self) -> Group:
-        """What is going on; asked for by another thread, since this one may be at work on a problem."""
+        """Render the current activity. Another thread calls this, since this one may be busy with a problem."""
         board = self._board
         if board is None:
             return Group()
@@ -99,7 +99,7 @@ class Progress:
 
 
 def outcome(record: Record) -> Text:
-    """One line about a problem that is over."""
+    """Format one line about a finished problem."""
     effort = f"{format_count(record.high_level_plans, 'plan')}, {format_count(record.low_level_steps, 'step')}"
     after = f"after {record.planning_time_s:.1f} s ({effort})"
     if record.solved:
@@ -114,12 +114,12 @@ def outcome(record: Record) -> Text:
 
 
 def format_count(number: int, noun: str) -> str:
-    """E.g. 1 plan, 2 plans."""
+    """Format a number with its noun, e.g. 1 plan, 2 plans."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def format_clock(seconds: float) -> str:
-    """E.g. 0:07, 12:30, 1:02:03."""
+    """Format a duration [s], e.g. 0:07, 12:30, 1:02:03."""
     minutes, rest = divmod(int(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

@@ -1,4 +1,4 @@
-"""Where results come from: commit, versions of packages, machine."""
+"""Provenance of results: commit, package versions and machine."""
 
 import os
 import platform
@@ -12,7 +12,7 @@ import ictamp_drake
 
 
 def provenance() -> dict[str, Any]:
-    """Commit, package versions and machine, in the types of YAML."""
+    """Return commit, package versions and machine in types that YAML supports."""
     return {
         "commit": commit(Path(ictamp_drake.__file__).parent),
         "versions": versions(),
@@ -21,16 +21,16 @@ def provenance() -> dict[str, Any]:
 
 
 def commit(package: Path) -> str | None:
-    """The commit that the package was checked out from, with "-dirty" when files differ from it; None without git.
+    """Return the commit of the package, with "-dirty" when files differ from it, or None without git.
 
-    A package that was installed below a repository of something else is not that repository's.
+    A package installed inside another project's repository does not count as part of that repository.
     """
     tracked = _git(package, "ls-files", "--error-unmatch", "__init__.py")
     return None if tracked is None else _git(package, "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
 
 
 def versions() -> dict[str, str]:
-    """Versions of this package and of those that it needs."""
+    """Return the versions of this package and its dependencies."""
     try:
         needed = metadata.requires("ictamp_drake") or []
     except metadata.PackageNotFoundError:

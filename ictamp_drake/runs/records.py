@@ -1,4 +1,4 @@
-"""`results.jsonl`: one JSON object a problem, safe against interruption at any moment."""
+"""`results.jsonl`: one JSON object per problem, safe against interruption at any moment."""
 
 import dataclasses
 import errno
@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
@@ -16,52 +16,54 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.tamp.explanation import Blocked, Explanation
-from ictamp_drake.tamp.replay import duration
-from ictamp_drake.tamp.solve import Solution
+
+if TYPE_CHECKING:
+    from ictamp_drake.tamp.solve import Solution
 
 K = TypeVar("K")
 
 OWN = "own scenes"
-"""Level of problems without one, as it is shown."""
+"""Displayed level of problems without a level."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Record:
-    """What is known of one problem when it is over. Failures are keyed by the names of `core.failures.Failure`.
+    """Result of one finished problem. Failures are keyed by the names of `core.failures.Failure`.
 
     Attributes:
-        problem: its name.
-        strategy: name of the method, empty in a run of one method.
-        level: easy, medium, hard, extreme or varied; None for a scene of one's own.
-        interference: kinds of interference of the boxes outside the goal.
-        seed: the run's seed.
-        solved: a plan was carried out and holds.
-        verified: whether the last plan that was carried out holds: its skills were executed in physics one after the
-            other, each from the complete state in which the one before ended, H of the last configuration holds the
-            goal, and so does it after another execution where --verify asks for one. None when no plan was carried out,
-            or when this was interrupted.
-        stop_reason: why the search ended, by the name in `planning.result.StopReason`; "CRASHED" or "HUNG" when its
-            process died or was ended because it took too long.
-        planning_time_s: time until a plan was found or the search ended [s]: loading the scene, building it in Drake,
-            search and verification. Importing modules and writing files are not in it.
-        cpu_time_s: processor time of the process in the same span [s]; None in records of earlier versions.
-        kinematic_time_s: the part of it that is not physics [s].
-        geometric_time_s: processor time until the first plan was finished of which no step had run in physics yet [s],
-            with --physics whole-plan; otherwise None.
-        high_level_plans: plans opened.
-        low_level_steps: runs of a skill.
-        steps_by_depth: how many of these started from a node of depth 0, 1, ...
-        plan_length: skills in the plan, None when unsolved.
-        plan_duration_s: how long its motions take the arm [s], None when unsolved.
-        failures: failed low-level steps by cause.
-        rejections: parameters k that were refused, by cause, before the last one of their step.
-        seconds_by_stage: computing time by stage [s]; "setup" is loading and building the scene.
-        replay_time_s: computing time of executing the found plan once [s], None when unsolved. In records of earlier
-            versions, which executed it a second time, the whole scene was awake and recorded meanwhile.
-        blocked: for each action that was tried and never succeeded, how many parameters k were refused by what.
-        obstacles: for each of these, with how many of the k the arm or the held box would have touched what.
-        error: traceback when the problem was not brought to an end by itself, else None.
-        load: the machine's load averages over 1, 5 and 15 minutes at the end.
+        problem: Name of the problem.
+        strategy: Name of the method. Empty in a run with one method.
+        level: Level of the problem: easy, medium, hard, extreme or varied. None for your own scene.
+        interference: Kinds of interference of the boxes outside the goal.
+        seed: Random seed of the run.
+        solved: Whether a plan was executed and verified.
+        verified: Whether the last executed plan holds. Its skills ran in physics one after the other, each from the
+            complete state in which the one before ended. H of the final configuration contains the goal, and so does H
+            after another execution if --verify asks for one. None when no plan was executed or the execution was
+            interrupted.
+        stop_reason: Reason why the search ended, by its name in `planning.result.StopReason`. "CRASHED" when the
+            process died, "HUNG" when it was ended because it took too long.
+        planning_time_s: Time until a plan was found or the search ended [s]. It includes loading the scene, building it
+            in Drake, search and verification, but not importing modules and writing files.
+        cpu_time_s: Processor time of the process over the same span [s]. None in records of earlier versions.
+        kinematic_time_s: Part of the processor time spent on everything but physics [s].
+        geometric_time_s: Processor time until the first complete plan that had not run in physics yet [s], with
+            --physics whole-plan. Otherwise None.
+        high_level_plans: Number of plans opened.
+        low_level_steps: Number of skill runs.
+        steps_by_depth: Number of low-level steps from nodes of depth 0, 1, ...
+        plan_length: Number of skills in the plan. None when unsolved.
+        plan_duration_s: Duration of the arm's motions in the plan [s]. None when unsolved.
+        failures: Number of failed low-level steps by cause.
+        rejections: Number of rejected parameters k by cause, without the last k of each step.
+        seconds_by_stage: Computing time by stage [s]. "setup" is loading and building the scene.
+        replay_time_s: Computing time of one execution of the found plan [s]. None when unsolved. Earlier versions
+            executed the plan a second time for this, with the whole scene awake and recorded.
+        blocked: Number of rejected parameters k by cause, for each action that was tried and never succeeded.
+        obstacles: Number of parameters k with which the arm or the held box would have touched an obstacle, by
+            obstacle, for each of these actions.
+        error: Traceback when the problem broke down. Otherwise None.
+        load: Load averages of the machine over 1, 5 and 15 minutes at the end.
     """
 
     problem: str
@@ -92,12 +94,12 @@ class Record:
 
     @property
     def name(self) -> str:
-        """See `run_name`."""
+        """Name of the record, see `run_name`."""
         return run_name(self.problem, self.strategy, self.seed)
 
     @property
     def explanation(self) -> Explanation:
-        """Why the search ended."""
+        """Explanation of why the search ended."""
         blocked = (Blocked(a, _causes(counts), self.obstacles.get(a, {})) for a, counts in self.blocked.items())
         return Explanation(
             stop_reason=self.stop_reason,
@@ -112,16 +114,16 @@ class Record:
 
     @property
     def is_final(self) -> bool:
-        """False when the problem was interrupted or broke down, so that a run which is continued tries it again."""
+        """Whether the problem is done. False after an interruption or breakdown, so that a continued run retries it."""
         return self.error is None and self.stop_reason != StopReason.STOPPED.name
 
 
 def run_name(problem: str, strategy: str, seed: int) -> str:
-    """Of a record and its folder: the problem's, or with several methods e.g. els/0/easy-003."""
+    """Name of a record and its folder: the name of the problem or, with several methods, e.g. els/0/easy-003."""
     return f"{strategy}/{seed}/{problem}" if strategy else problem
 
 
-def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: Solution) -> Record:
+def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: "Solution") -> Record:
     """The record of a search that came to its end."""
     result = solution.result
     plan = result.plan if result.solved else None
@@ -142,7 +144,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         low_level_steps=result.low_level_steps,
         steps_by_depth=result.steps_by_depth,
         plan_length=None if plan is None else len(plan),
-        plan_duration_s=None if plan is None else _round_seconds(duration(plan)),
+        plan_duration_s=None if plan is None else _round_seconds(sum(attempt.duration for attempt in plan)),
         failures=_to_names(result.failures),
         rejections=_to_names(sum((report.rejections for report in result.reports.values()), Counter[Failure]())),
         seconds_by_stage={
@@ -156,10 +158,10 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
 
 
 def append(record: Record, path: Path) -> None:
-    """Add a line by a single write, and wait until it is on the disk.
+    """Append a line with a single write, and wait until it is on the disk.
 
     Raises:
-        IctampError: that failed, e.g. since the disk is full; the file is as before.
+        IctampError: The write failed, e.g. because the disk is full. The file is as before.
     """
     line = json.dumps(dataclasses.asdict(record)) + "\n"
     with path.open("ab", buffering=0) as file:
@@ -175,7 +177,7 @@ def append(record: Record, path: Path) -> None:
 
 
 def drop_torn_line(path: Path) -> None:
-    """Cut off a last line without an end, left when a machine died while it wrote; a whole record gets an end."""
+    """Remove an incomplete last line, as left by a crash during a write. A complete record gets its line end."""
     before, newline, last = path.read_bytes().rpartition(b"\n") if path.exists() else (b"", b"", b"")
     if not last:
         return
@@ -188,7 +190,7 @@ def drop_torn_line(path: Path) -> None:
 
 
 def read_records(path: Path) -> dict[str, Record]:
-    """The last record of each name, in the order in which they were written.
+    """Read the last record of each name, in the order in which they were written.
 
     Raises:
         IctampError: A line is not a record.

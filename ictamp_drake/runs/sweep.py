@@ -1,4 +1,4 @@
-"""Many jobs at once, or one: a hard limit of time for each job, and a clean end on Ctrl-C."""
+"""Execution of one job or many at once, with a hard time limit for each job and a clean end on Ctrl-C."""
 
 import shutil
 import signal
@@ -12,35 +12,36 @@ from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import Engine
 from ictamp_drake.runs.folder import RESULTS
+from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.pool import CONTEXT
 from ictamp_drake.runs.records import Record, append
-from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Job, Pages, begin_job, run_job, start_worker
+from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Pages, begin_job, run_job, start_worker
 
 POLL = 0.2
-"""Time between two looks at what the workers do [s]."""
+"""Time between two checks of the workers [s]."""
 
 Watch = Callable[[Board, Sequence[Record]], None]
-"""Called at least every `POLL` seconds with the board and the records that are new since the last call."""
+"""Callback at least every `POLL` seconds, with the board and the records that are new since the last call."""
 
 
 def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch, *, alone: bool = False) -> bool:
-    """Do all jobs; what each leaves is on the disk before it is told, its record last.
+    """Run all jobs. The files of each job are written first, then its record, and then `watch` is called.
 
-    A job whose process dies or exceeds the time limit by more than the grace becomes a record that says so. The first
-    Ctrl-C lets the workers of this machine finish the step they are at and ends those of a cluster, the second one ends
-    all at once.
+    If the process of a job dies or exceeds the time limit by more than the grace period, the record says so. The first
+    Ctrl-C lets the workers on this machine finish their current step and ends those of a cluster. The second Ctrl-C
+    ends all workers immediately.
 
     Args:
-        jobs: what is to be done.
-        folder: of the run.
-        conduct: how the run is carried out.
-        watch: is told what happens.
-        alone: whether jobs of this machine are done in this process. That saves the time in which workers start, and
-            the result is told before its pages are made; but a job that dies takes the program with it, and one that
-            hangs in native code for ever cannot be ended.
+        jobs: Jobs to run.
+        folder: Folder of the run.
+        conduct: Options of the run.
+        watch: Callback that follows the progress.
+        alone: Whether local jobs run in this process. This saves the start of workers and shows the result before its
+            pages are made. But a job that dies takes the program with it, and one that hangs forever in native code
+            cannot be ended.
 
     Returns:
-        False when it was interrupted.
+        Whether the sweep finished. False when it was interrupted.
     """
     board = Board(CONTEXT, len(jobs))
     shared = conduct.engine.engine == "local"
@@ -63,11 +64,11 @@ class _Sweep:
 
     @property
     def shared(self) -> bool:
-        """Whether workers see the board."""
+        """Whether workers share the board."""
         return self.conduct.engine.engine == "local"
 
     def run(self, engine: Engine) -> None:
-        """Hand all jobs to the engine, wait for them and tell what comes of them."""
+        """Submit all jobs to the engine, wait for them, and report their results."""
         pending = {self._submit(engine, slot): slot for slot in range(len(self.jobs))}
         while pending and (self.shared or not self.board.stopping):
             done = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED).done
@@ -84,14 +85,14 @@ class _Sweep:
         return engine.submit(task, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
 
     def _collect(self, future: Future[Finished | None], slot: int) -> Finished | None:
-        """What came of a job, or what is known of one that came to nothing."""
+        """Return the result of a job, or a failure record if it broke down."""
         try:
             return future.result()
         except Exception as error:
             return Finished(self._record_breakdown(slot, error), {})
 
     def _keep(self, finished: Finished) -> Record:
-        """Write what came of a job."""
+        """Write the files and the record of a job."""
         folder = self.folder / finished.record.name
         shutil.rmtree(folder, ignore_errors=True)
         _write(finished.files, folder)
@@ -99,7 +100,7 @@ class _Sweep:
         return finished.record
 
     def _make_pages(self, engine: Engine, record: Record, make: Callable[[], Pages]) -> None:
-        """Make the pages of a problem whose record is written; one more record tells of those that fail."""
+        """Make the pages of a problem whose record is written. If that fails, write another record with the error."""
         try:
             files, error = engine.submit(make, timeout=self.conduct.grace).result()
         except TimeoutError:

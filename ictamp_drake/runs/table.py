@@ -1,4 +1,4 @@
-"""What a run found, as a table and as the answer to why a problem was not solved."""
+"""Results of a run as a table, and explanations of unsolved problems."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -19,7 +19,7 @@ LEGEND = (
 
 
 def format_results(records: Sequence[Record]) -> Group:
-    """Everything that is said at the end of a run."""
+    """Format everything that is printed at the end of a run."""
     parts: list[RenderableType] = [Text(), results(records), Text(LEGEND, "dim")]
     if failures := sum((Counter(record.failures) for record in records), Counter[str]()):
         steps = sum(record.low_level_steps for record in records)
@@ -31,7 +31,7 @@ def format_results(records: Sequence[Record]) -> Group:
 
 
 def results(records: Sequence[Record]) -> Table:
-    """Figures of all problems and, where they differ, by interference."""
+    """Table of results, with a row per level and strategy, or per kind of interference and for all problems."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     columns = ("problems", "solved", "time median", "mean", "plans", "steps", "steps / skill", "overhead")
     for column in columns:
@@ -42,7 +42,7 @@ def results(records: Sequence[Record]) -> Table:
 
 
 def figures(records: Sequence[Record]) -> list[str]:
-    """One row of the table of results, see `LEGEND`."""
+    """Cells of one row of the table of results, see `LEGEND`."""
     solved = [record for record in records if record.solved]
 
     def of(figure: Callable[[Record], float], average: Callable[[list[float]], float] = median) -> str:
@@ -60,7 +60,7 @@ def figures(records: Sequence[Record]) -> list[str]:
 
 
 def _groups(records: Sequence[Record]) -> Iterator[tuple[str, list[Record]]]:
-    """By level and strategy when there are any, else by kind of interference when there is any, and all."""
+    """Group records by level and strategy if they have strategies, otherwise by kind of interference, then all."""
     if any(record.strategy for record in records):
         groups: dict[str, list[Record]] = {}
         for record in records:
@@ -86,7 +86,7 @@ def _failures(failures: Counter[str], steps: int) -> Table:
 
 
 def explain_unsolved(record: Record) -> Iterator[Text]:
-    """Why a problem was not solved: what stood in the way of the actions that never succeeded."""
+    """Yield lines that explain why a problem was not solved: the causes that blocked actions that never succeeded."""
     explanation = record.explanation
     yield Text(f"{record.problem}: {explanation.reason}", "bold")
     if record.error is not None:

@@ -1,104 +1,46 @@
-"""What a worker does: solve one problem after the other. It leaves nothing on the disk."""
+"""Work of a worker: solve one problem after the other. Workers leave no files behind."""
 
 import gc
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.runs.board import Board
+from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
-from ictamp_drake.runs.records import Record, record_of, run_name
+from ictamp_drake.runs.records import Record, record_of
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.artefacts import Artefacts, write_pages, write_result
-from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.solve import Solution, solve
-from ictamp_drake.tamp.task import Task, prepare
+from ictamp_drake.tamp.task import prepare
 
 if TYPE_CHECKING:
     from ictamp_drake.viz.live import LiveView
 
 CRASHED, HUNG = "CRASHED", "HUNG"
-"""Why a problem ended that could not say so itself."""
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A scene to be solved.
-
-    Attributes:
-        name: Name of its record and folder, usually that of its file.
-        spec: The scene.
-        level: One of easy, medium, hard, extreme and varied; None for a scene of one's own.
-    """
-
-    name: str
-    spec: SceneSpec
-    level: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.name.startswith("."):
-            problem = "expected a name that does not begin with a dot, got {value}"
-            raise IctampError(Code.BAD_NAME, problem, field="name", value=self.name)
-
-
-@dataclass(frozen=True)
-class Job:
-    """A problem and how it is to be solved.
-
-    Attributes:
-        problem: The problem.
-        method: Options and seed.
-        strategy: Name of the method, empty when there is only one.
-        task: The problem's task where it was loaded in this process already; it does not go to another one.
-    """
-
-    problem: Problem
-    method: Method
-    strategy: str = ""
-    task: Task | None = field(default=None, compare=False, repr=False)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "task": None}
-
-    @property
-    def name(self) -> str:
-        """Of its record and folder."""
-        return run_name(self.problem.name, self.strategy, self.method.seed)
-
-    def make_failure_record(self, reason: str, seconds: float, error: str) -> Record:
-        """The record of a job that did not come to its end."""
-        return Record(
-            problem=self.problem.name,
-            strategy=self.strategy,
-            level=self.problem.level,
-            seed=self.method.seed,
-            stop_reason=reason,
-            planning_time_s=round(seconds, 4),
-            error=error,
-        )
+"""Stop reasons of problems whose process could not report one."""
 
 
 class Pages(NamedTuple):
-    """What is kept besides the result, content by name; `error` tells what could not be made."""
+    """Pages of a problem: file contents by name, and the error if some could not be made."""
 
     files: dict[str, bytes]
     error: str | None
 
 
 class Finished(NamedTuple):
-    """What came of a job.
+    """Result of a job.
 
     Attributes:
-        record: of it.
-        files: what is kept besides, content by name.
-        pages: makes the rest of what is kept; None where there is nothing to make.
+        record: Record of the job.
+        files: Contents of the files to keep, by name.
+        pages: Function that makes the remaining files. None when there are none.
     """
 
     record: Record
@@ -107,19 +49,19 @@ class Finished(NamedTuple):
 
 
 class _Process:
-    """What a worker keeps between problems."""
+    """State of a worker process that persists between problems."""
 
     board: Board
     view: "LiveView | None" = None
 
 
 def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
-    """Make a process ready: loads what would be loaded in the midst of the first problem, and never outlives a run.
+    """Prepare a process: preload slow imports, and end with the parent process.
 
     Args:
-        board: to tell progress and hear the word to stop; None where no memory is shared.
-        learned: whether trained networks will be needed.
-        meshcat: whether to show what is planned.
+        board: Board for progress and the stop flag. None without shared memory.
+        learned: Whether trained networks will be needed.
+        meshcat: Whether to show the planning live.
     """
     _load_modules(learned)
     end_with_parent()
@@ -134,7 +76,7 @@ def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
 
 def _load_modules(learned: bool) -> None:
     if learned:
-        with _pause_garbage_collection():  # which finds nothing, and takes a sixth of the time
+        with _pause_garbage_collection():  # it would find nothing and take a sixth of the time
             import ictamp_drake.learning.models  # noqa: F401, PLC0415
 
 
@@ -150,12 +92,12 @@ def _pause_garbage_collection() -> Iterator[None]:
 
 
 def run_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
-    """Solve a problem and make its pages; None when the run was stopped before it began.
+    """Solve a problem and make its pages. Return None when the run was stopped before the problem began.
 
     Args:
-        slot: of the job on the board.
-        job: the problem and its method.
-        artefacts: what is kept.
+        slot: Slot of the job on the board.
+        job: Problem and method.
+        artefacts: Files to keep.
     """
     finished = begin_job(slot, job, artefacts)
     if finished is None or finished.pages is None:
@@ -165,7 +107,7 @@ def run_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
 
 
 def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
-    """Solve a problem and leave its pages to be made in this process, see `run_job`."""
+    """Solve a problem, but leave its pages to be made later in this process. See `run_job`."""
     board = _Process.board
     if board.stopping:
         return None
@@ -203,7 +145,7 @@ def _pages(slot: int, solution: Solution, name: str) -> Pages:
 
 @contextmanager
 def _folder(name: str) -> Iterator[Path]:
-    """A folder of that name, which is gone after the block."""
+    """Create a temporary folder with that name. It is removed after the block."""
     with TemporaryDirectory() as parent:
         folder = Path(parent) / name
         folder.mkdir()

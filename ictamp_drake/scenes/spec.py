@@ -7,11 +7,10 @@ Whether boxes overlap or float, and what the goal means, is checked in the rooms
 import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
-from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.checks import check_choice, check_names, check_range, check_vector
 from ictamp_drake.core.decoding import decode
@@ -21,6 +20,9 @@ from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.hand import MAX_SIDE
 from ictamp_drake.models.things import SUPPORTS, read_thing
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Vector = tuple[float, float, float]
 
@@ -115,15 +117,11 @@ class BoxSpec:
         self._check_width()
 
     def _check_width(self) -> None:
-        upright = int(np.argmax(np.abs(self._rotation.as_matrix()[2])))
+        upright = int(np.argmax(np.abs(_rotation(self.rotation).as_matrix()[2])))
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
         if width > MAX_SIDE:
             problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"
             raise IctampError(Code.TOO_WIDE, problem, field="size", value=self.size)
-
-    @property
-    def _rotation(self) -> Rotation:
-        return Rotation.from_euler("xyz", self.rotation, degrees=True)
 
     @property
     def X_WO(self) -> FloatArray:
@@ -226,5 +224,10 @@ def _to_plain(value: Any) -> Any:
 
 
 def _pose(rotation: Vector, position: Vector) -> FloatArray:
-    quaternion = Rotation.from_euler("xyz", rotation, degrees=True).as_quat(canonical=True, scalar_first=True)
-    return np.concatenate([quaternion, position])
+    return np.concatenate([_rotation(rotation).as_quat(canonical=True, scalar_first=True), position])
+
+
+def _rotation(rotation: Vector) -> "Rotation":
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415  (takes long to load, and no help needs it)
+
+    return Rotation.from_euler("xyz", rotation, degrees=True)

@@ -5,19 +5,17 @@ constraints and costs on k are constraints and costs on the pose of G. Random mo
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import SnoptSolver
 
-from ictamp_drake.core.checks import check_fields, check_interval, check_vector
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE, PAD_RADIUS, TIP
+from ictamp_drake.models.hand import MAX_OPENING, PAD_RADIUS, TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.skills.base import CLEARANCES
+from ictamp_drake.skills.config import OptimizationConfig
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
 from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
 from ictamp_drake.world.poses import to_transform
@@ -25,78 +23,6 @@ from ictamp_drake.world.world import World
 
 UPRIGHT_ANGLE = 1e-3
 """Largest tilt of a box that is placed [rad]."""
-
-
-@dataclass(frozen=True)
-class OptimizationConfig:
-    """How programs are posed.
-
-    Attributes:
-        restarts: programs tried for one k.
-        max_width: widest side that is gripped [m].
-        depth: least and greatest distance of G below the box's top [m].
-        ground: least distance of G above the box's bottom [m].
-        grip_offset: greatest distance of G from the box's middle across the fingers' direction and along it [m].
-        turn: greatest deviation of yaw from the faces' directions [rad].
-        height: least and greatest height of a placement above the top face [m].
-        overhang: greatest distance of a box's centre from that of the box below [m].
-        play: distance of each finger from the box before it closes [m].
-        clearance: distance kept from the neighbours' outlines [m].
-        spots: random spots compared for a placement on a support; the one with most room is aimed at.
-        room: distance from which on more room is worth nothing [m].
-        reach: least and greatest horizontal distance of a placement from the arm's base [m].
-        centring: cost of the distance from the aim [1/m^2].
-        comfort: cost of the distance from the comfortable posture [1/rad^2].
-        spread: of the random starts about the comfortable posture [rad].
-    """
-
-    restarts: int = 6
-    max_width: float = MAX_SIDE
-    depth: tuple[float, float] = (0.012, 0.034)
-    ground: float = 0.014
-    grip_offset: tuple[float, float] = (0.008, 0.001)
-    turn: float = 0.02
-    height: tuple[float, float] = (0.001, 0.002)
-    overhang: float = 0.004
-    play: float = CLEARANCES[0]
-    clearance: float = 0.015
-    spots: int = 12
-    room: float = 0.08
-    reach: tuple[float, float] = (0.3, 0.75)
-    centring: float = 1000.0
-    comfort: float = 0.1
-    spread: float = 0.3
-
-    def __post_init__(self) -> None:
-        for name in ("depth", "height", "reach"):
-            check_interval(f"samplers.optimisation.{name}", getattr(self, name), 0, 10)
-        check_vector("samplers.optimisation.grip-offset", self.grip_offset, 0, 1, count=2)
-        check_fields(
-            self,
-            "samplers.optimisation",
-            restarts=(1, 1e6),
-            max_width=(1e-3, MAX_OPENING),
-            ground=(0, 1),
-            turn=(0, 3),
-            overhang=(0, 1),
-            play=(0, MAX_OPENING),
-            clearance=(0, 1),
-            spots=(1, 1e6),
-            room=(0, 10),
-            centring=(0, 1e9),
-            comfort=(0, 1e9),
-            spread=(0, 10),
-        )
-
-    @property
-    def tight(self) -> "OptimizationConfig":
-        """For grasps where there is hardly room for the fingers: in the middle, square, not deep."""
-        offset, depth = (self.grip_offset[0], 1e-4), (self.depth[0], self.depth[0] + 0.004)
-        return replace(self, grip_offset=offset, depth=depth, turn=1e-3, play=CLEARANCES[-1], clearance=0.0)
-
-    def create(self, world: World, arm: ArmKinematics) -> "OptimizationSampler":
-        """The sampler for one scene."""
-        return OptimizationSampler(world, arm, self)
 
 
 class OptimizationSampler:

@@ -1,48 +1,19 @@
 """ψ_pick: approach, lower, grasp, lift."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydrake.math import RigidTransform
 
-from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
-from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.observation.situations import LIFT
-from ictamp_drake.skills.base import CLEARANCES, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.base import configuration_after, hold, imagine, openings
+from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.skills.geometry import grasp_pose, grip_width, needed_opening, raise_pose, squared_grasp
 from ictamp_drake.world.commands import gripper_time
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
-
-
-@dataclass(frozen=True)
-class PickConfig:
-    """Constants of a pick.
-
-    Attributes:
-        force: grip force of each finger [N].
-        clearances: room between box and fingers as the hand comes down [m]; the first that the neighbours leave.
-        margin: height of the finger tips above the box before they are lowered [m].
-        lift: rise of the hand with the box [m].
-    """
-
-    force: float = 30.0
-    clearances: tuple[float, ...] = CLEARANCES
-    margin: float = 0.015
-    lift: float = LIFT
-
-    def __post_init__(self) -> None:
-        check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), margin=(0, 1), lift=(1e-3, 1))
-        check_clearances("skills.pick.clearances", self.clearances)
-
-    def create(self, world: World, planner: MotionPlanner) -> "Pick":
-        """The skill in one scene."""
-        return Pick(world, planner, self)
 
 
 class Pick:

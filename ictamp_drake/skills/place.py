@@ -1,44 +1,20 @@
 """ψ_place: transfer, lower, release, retreat."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
-from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
 from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.skills.base import CLEARANCES, check_clearances, configuration_after, hold, imagine, openings
+from ictamp_drake.skills.base import configuration_after, hold, imagine, openings
+from ictamp_drake.skills.config import PlaceConfig
 from ictamp_drake.skills.geometry import held_bottom, level_pose, needed_opening, placement_pose, raise_pose, yaw_of
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
-
-
-@dataclass(frozen=True)
-class PlaceConfig:
-    """Constants of a placement.
-
-    Attributes:
-        clearances: room between box and fingers as the hand leaves [m]; the first that the neighbours leave.
-        drop: height above its final place from which the box is lowered straight down [m].
-        margin: height of the finger tips above the box after the retreat [m].
-    """
-
-    clearances: tuple[float, ...] = CLEARANCES
-    drop: float = 0.04
-    margin: float = 0.015
-
-    def __post_init__(self) -> None:
-        check_fields(self, "skills.place", drop=(0, 1), margin=(0, 1))
-        check_clearances("skills.place.clearances", self.clearances)
-
-    def create(self, world: World, planner: MotionPlanner) -> "Place":
-        """The skill in one scene."""
-        return Place(world, planner, self)
 
 
 class Place:

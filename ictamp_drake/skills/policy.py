@@ -4,20 +4,17 @@ What the policy has learned may not fit a scene, so candidates that are refused 
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.state_matrix import Observation, Observer
+from ictamp_drake.skills.config import PolicyConfig, UniformConfig
 from ictamp_drake.skills.geometry import hand_poses
-from ictamp_drake.skills.uniform import UniformConfig, UniformSampler
+from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:
@@ -25,50 +22,6 @@ if TYPE_CHECKING:
 
 _OUT_OF_REACH = 60.0
 """Time that a hand pose without a posture of the arm counts as [s]."""
-
-
-@dataclass(frozen=True)
-class PolicyConfig:
-    """How k is drawn from the learned policy.
-
-    Attributes:
-        checkpoints: folder of the trained policies, by default that of the package.
-        candidates: drawn for one attempt, which tries the best first until motion planning refuses none
-            (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
-        haste: what it is worth, in probability of success, that the arm is there a second sooner [1/s]; with 0, Q
-            alone says which candidate is the best.
-        trust: how many of the policy's candidates are tried before as many random ones, the best of equally many, have
-            their turn, and so on.
-        belief: least Q of a random candidate that is tried.
-    """
-
-    checkpoints: Path | None = None
-    candidates: int = 64
-    haste: float = 0.05
-    trust: int = 4
-    belief: float = 0.5
-
-    def __post_init__(self) -> None:
-        check_range("samplers.policy.candidates", self.candidates, 1, 4096)
-        check_range("samplers.policy.haste", self.haste, 0, 1)
-        check_range("samplers.policy.trust", self.trust, 1, 4096)
-        check_range("samplers.policy.belief", self.belief, 0, 1)
-
-    def create(self, world: World, arm: ArmKinematics) -> "PolicySampler":
-        """The sampler for one scene.
-
-        Raises:
-            IctampError: a checkpoint is missing, damaged or of something else.
-        """
-        from ictamp_drake.learning.models import load_skill  # noqa: PLC0415  (torch takes long to load)
-
-        folder = self.checkpoints or SHIPPED
-        models = {skill: load_skill(folder, skill) for skill in SKILLS}
-        return PolicySampler(world, arm, models, self)
-
-    def check(self) -> None:
-        """Raise what `create` would raise because of the checkpoints, without loading torch."""
-        check_all(self.checkpoints or SHIPPED, "policy")
 
 
 class PolicySampler:

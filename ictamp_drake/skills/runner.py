@@ -2,75 +2,18 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from math import inf
-from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 
-from ictamp_drake.core.checks import check_choice, check_range
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.protocols import Sampler, Skill
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, State
-from ictamp_drake.motion.config import MotionConfig
-from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.skills.base import Skill, SkillConfig
+from ictamp_drake.motion.planner import Refusal
 from ictamp_drake.skills.judge import judge
-from ictamp_drake.skills.pick import PickConfig
-from ictamp_drake.skills.place import PlaceConfig
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics
-from ictamp_drake.world.world import World
-
-
-class SamplerConfig(Protocol):
-    """Configuration of a sampler of k."""
-
-    def create(self, world: World, arm: ArmKinematics) -> Sampler[Configuration]:
-        """The sampler for one scene."""
-
-
-@dataclass(frozen=True)
-class SkillsConfig:
-    """How a low-level step is made.
-
-    Attributes:
-        draws: parameters drawn until one has a motion; 1 is the paper's way.
-        pick: constants of ψ_pick.
-        place: constants of ψ_place.
-        motion: constants of motion planning.
-    """
-
-    draws: int = 8
-    pick: PickConfig = PickConfig()
-    place: PlaceConfig = PlaceConfig()
-    motion: MotionConfig = MotionConfig()
-
-    def __post_init__(self) -> None:
-        check_range("skills.draws", self.draws, 1, inf)
-
-    def create(
-        self,
-        world: World,
-        abstraction: SceneAbstraction,
-        physics: Physics,
-        sampler: SamplerConfig,
-        own: Mapping[str, SkillConfig] = MappingProxyType({}),
-    ) -> "Skills":
-        """The skills in one scene; `own` ones, by the name of their action, take the place of these.
-
-        Raises:
-            IctampError: an own one is for no action.
-        """
-        configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
-        for name in own:
-            check_choice("skills", name, configs)
-        planner = MotionPlanner(world, self.motion)
-        skills = {name: config.create(world, planner) for name, config in {**configs, **own}.items()}
-        return Skills(self.draws, abstraction, physics, sampler.create(world, planner.kinematics), skills)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +33,7 @@ class Skills:
     abstraction: SceneAbstraction
     physics: Physics
     sampler: Sampler[Configuration]
-    skills: Mapping[str, Skill]
+    skills: Mapping[str, Skill[Refusal]]
     promises: bool = False
 
     def attempt(

@@ -1,1 +1,1 @@
-"""The symbolic room: the PDDL domain grounded for a scene, goals, and streams of high-level plans."""
+"""Symbolic planning: the PDDL domain grounded for a scene, goals, and streams of high-level plans."""

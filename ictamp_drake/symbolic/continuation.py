@@ -1,21 +1,23 @@
-"""Plans that begin with a given action and go on to the goal, for estimators that look ahead."""
+"""Plans that begin with a given action and continue to the goal, for estimators that look ahead."""
 
 from ictamp_drake.core.types import Action, Atom, Skeleton, State
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 
 EXPANSIONS = 1000
-"""Nodes after which the search for the rest of a plan is given up."""
+"""Maximum number of nodes in the search for the rest of a plan."""
 
 
 def continue_plan(
     domain: Domain, state: State, action: Action, goal: frozenset[Atom], max_expansions: int = EXPANSIONS
 ) -> Skeleton:
-    """The action and then the shortest plan to the goal, or the action alone when no such plan is found.
+    """Return the action followed by the shortest plan to the goal, or the action alone when no plan is found.
 
     Raises:
-        ValueError: the action is not applicable in the state.
+        ValueError: The action is not applicable in the state.
     """
     promised = domain.successor(state, action)
-    rest = BreadthFirst().create(domain, promised, goal).next_plan(max_expansions) or Skeleton((promised,), ())
+    stream = BreadthFirst().create(GeneratorContext(domain, promised, goal))
+    rest = stream.next_plan(max_expansions) or Skeleton((promised,), ())
     return Skeleton((state, *rest.states), (action, *rest.actions))

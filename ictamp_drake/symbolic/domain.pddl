@@ -1,7 +1,7 @@
 ; Boxes that a hand picks from and places on supports and other boxes.
 ;
-; upright and tipped are changed by no action: a box that lies on its side is carried lying and laid down lying.
-; clear is about boxes alone, nothing rests on the box and it is not held; on a support there is room for more.
+; No action changes upright or tipped: a box that lies on its side is carried lying and laid down lying.
+; clear is about boxes only: nothing rests on the box, and it is not held. A support always has room for more.
 
 (define (domain boxes)
   (:requirements :strips :typing :equality :disjunctive-preconditions :universal-preconditions :conditional-effects)

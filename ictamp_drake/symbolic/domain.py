@@ -1,4 +1,4 @@
-"""The ground domain of one scene: which actions apply in a state s and where each of them leads."""
+"""The ground domain of one scene: the actions that apply in a state s, and the state each of them leads to."""
 
 from collections import Counter
 from collections.abc import Collection, Sequence
@@ -14,10 +14,11 @@ from ictamp_drake.symbolic.pddl import boxes_domain
 
 @dataclass(frozen=True)
 class Domain:
-    """All ground actions of a scene in a fixed order; `Domain.create` reads them from `domain.pddl`.
+    """All ground actions of a scene in a fixed order. `Domain.create` reads them from `domain.pddl`.
 
-    Actions on supports come before those on boxes, both in the order given, and so do their plans among plans of equal
-    length: a support has room to choose from, a box hardly any, and what stands on a box can be in the way later.
+    Actions on supports come before those on boxes, each group in the given order, and so do their plans among plans of
+    equal length. A support offers many places and a box hardly any, and a box on top of another can be in the way
+    later.
     """
 
     boxes: tuple[str, ...]
@@ -26,10 +27,10 @@ class Domain:
 
     @classmethod
     def create(cls, boxes: Sequence[str], supports: Sequence[str], initial: State) -> "Domain":
-        """Ground the domain for the objects; `initial` settles who is upright and who is tipped, for good.
+        """Ground the domain for the objects. `initial` decides which boxes are upright and which are tipped, for good.
 
         Raises:
-            IctampError: the name of an object is taken, or a box of the initial state is not in exactly one place.
+            IctampError: The name of an object is taken, or a box of the initial state is not in exactly one place.
         """
         for box in boxes:
             _check_place(box, initial)
@@ -42,16 +43,16 @@ class Domain:
         return cls(tuple(boxes), tuple(supports), tuple(actions))
 
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
-        """The applicable actions in their order, each with the state that it promises."""
+        """Return the applicable actions in their order, each with the state that it promises."""
         numbers = sorted(number for atom in (None, *state) for number in self.by_rarest.get(atom, ()))
         candidates = map(self.actions.__getitem__, numbers)
         return tuple((each.action, each.apply(state)) for each in candidates if each.applies(state))
 
     def successor(self, state: State, action: Action) -> State:
-        """The state that the action promises.
+        """Return the state that the action promises.
 
         Raises:
-            ValueError: the action is not applicable in the state, or not of this domain.
+            ValueError: The action is not applicable in the state, or does not belong to this domain.
         """
         found = self._by_name.get(action)
         if found is None or not found.applies(state):
@@ -59,10 +60,10 @@ class Domain:
         return found.apply(state)
 
     def with_obstructions(self, obstructions: Collection[Obstruction]) -> "Domain":
-        """The domain in which the boxes that are in the way of an action must have been moved before it.
+        """Return a domain in which boxes that obstruct an action must be moved before it.
 
-        Its states remember that as moved(box), from when the box is placed. To pick such a box comes last in the order
-        of actions, so that plans follow those without obstructions for as long as they can.
+        Its states contain moved(box) once such a box has been placed. Picking such a box comes last in the order of
+        actions, so plans follow those without obstructions as long as possible.
         """
         boxes = {obstruction.box for obstruction in obstructions}
         in_order = sorted(self.actions, key=lambda each: each.action.name == "pick" and each.action.args[0] in boxes)
@@ -85,7 +86,7 @@ class Domain:
 
     @cached_property
     def by_rarest(self) -> dict[Atom | None, list[int]]:
-        """Numbers of the actions by the precondition that they share with the fewest others; None if they have none."""
+        """Indices of the actions by the precondition they share with the fewest others, or None without one."""
         shared_by = Counter(atom for each in self.actions for atom in each.preconditions)
         found: dict[Atom | None, list[int]] = {}
         for number, each in enumerate(self.actions):
@@ -95,7 +96,7 @@ class Domain:
 
 
 def _typed_objects(boxes: Sequence[str], supports: Sequence[str]) -> dict[str, str]:
-    """Types of the objects by name; every name is new to the planning domain."""
+    """Return the types of the objects by name. Refuse names that are taken."""
     domain = boxes_domain()
     taken = {*domain.types, *domain.predicates, *(operator.name for operator in domain.operators)}
     types: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Expressions in brackets, the form of all PDDL: from text to groups of words and groups."""
+"""Parenthesized expressions, the syntax of PDDL: parsing of text into nested groups of words."""
 
 import re
 from collections.abc import Iterator
@@ -8,21 +8,21 @@ from textwrap import shorten
 from ictamp_drake.core.errors import Code, IctampError
 
 MAX_CHARACTERS = 200_000
-"""Longest text that is read."""
+"""Maximum length of a text."""
 
 MAX_DEPTH = 50
-"""Deepest nesting of brackets, low enough for functions that call themselves once a level."""
+"""Maximum depth of nested parentheses, low enough for recursion with one call per level."""
 
 _TOKEN = re.compile(r"[()]|[^\s()]+")
 
 
 @dataclass(frozen=True)
 class Group:
-    """What stands between an opening bracket and its closing one.
+    """Content between an opening parenthesis and its closing one.
 
     Attributes:
-        items: words and groups in their order.
-        line: number of the line of the opening bracket, from 1.
+        items: Words and groups in their order.
+        line: Line number of the opening parenthesis, from 1.
     """
 
     items: tuple["Expression", ...]
@@ -36,10 +36,10 @@ Expression = str | Group
 
 
 def read(text: str) -> Group:
-    """The one group that a text consists of; a semicolon begins a comment.
+    """Read a text that consists of one group. A semicolon begins a comment.
 
     Raises:
-        IctampError: what was expected in which line.
+        IctampError: The text is malformed. The message names the line and what was expected there.
     """
     if len(text) > MAX_CHARACTERS:
         problem = f"expected at most {MAX_CHARACTERS} characters, got {{value}}"
@@ -76,11 +76,11 @@ def _unexpected(token: str, expected: str, line: int) -> IctampError:
 
 
 def _tokens(text: str) -> Iterator[tuple[str, int]]:
-    """Brackets and words with the numbers of their lines."""
+    """Yield parentheses and words with their line numbers."""
     for line, content in enumerate(text.split("\n"), start=1):
         yield from ((token, line) for token in _TOKEN.findall(content.partition(";")[0]))
 
 
 def quote_expression(expression: Expression) -> str:
-    """The expression as a message quotes it, on one line and not too long."""
+    """Format the expression for a message, on one line and shortened."""
     return shorten(str(expression), 80, placeholder=" ...")

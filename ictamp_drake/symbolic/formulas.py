@@ -1,6 +1,6 @@
-"""Formulas of PDDL. Words that begin with ? are variables, and a formula without any is ground.
+"""Formulas of PDDL. Words that begin with ? are variables, and a formula without variables is ground.
 
-There are no classes for what others say: imply is an `Or`, and forall says that nothing exists which refutes it.
+Two connectives have no class: imply becomes an `Or`, and forall becomes a `Not` of an `Exists` with the body negated.
 """
 
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from ictamp_drake.core.types import Atom, State
 
 
 class Variable(NamedTuple):
-    """A name with a type, such as ?x - box."""
+    """A variable name with its type, such as ?x - box."""
 
     name: str
     type: str
@@ -47,7 +47,7 @@ class Or:
 
 @dataclass(frozen=True)
 class Exists:
-    """The body holds for some objects that the variables stand for."""
+    """The body holds for some choice of objects for the variables."""
 
     variables: tuple[Variable, ...]
     body: "Formula"
@@ -60,7 +60,7 @@ FALSE = Or(())
 
 
 def holds(formula: Formula, state: State) -> bool:
-    """Tell whether a ground formula without quantifiers is true in the state."""
+    """Whether a ground formula without quantifiers is true in the state."""
     match formula:
         case Atom():
             return formula in state
@@ -74,7 +74,7 @@ def holds(formula: Formula, state: State) -> bool:
 
 
 def negation(formula: Formula) -> Formula:
-    """The opposite of the formula, with `Not` as far inside as it goes."""
+    """Negate the formula, with each `Not` pushed inward as far as possible."""
     match formula:
         case Not(part):
             return part
@@ -86,17 +86,17 @@ def negation(formula: Formula) -> Formula:
 
 
 def conjuncts(formula: Formula) -> tuple[Formula, ...]:
-    """Formulas that hold together exactly when the formula does."""
+    """Split a formula into parts that all hold exactly when the formula does."""
     return tuple(each for part in formula.parts for each in conjuncts(part)) if isinstance(formula, And) else (formula,)
 
 
 def disjuncts(formula: Formula) -> tuple[Formula, ...]:
-    """Formulas of which one holds exactly when the formula does."""
+    """Split a formula into parts of which at least one holds exactly when the formula does."""
     return tuple(each for part in formula.parts for each in disjuncts(part)) if isinstance(formula, Or) else (formula,)
 
 
 def leaves(formula: Formula) -> Iterator[Atom | Equal]:
-    """The atoms and equalities that a formula is made of."""
+    """Yield the atoms and equalities in a formula."""
     match formula:
         case Atom() | Equal():
             yield formula

@@ -1,4 +1,4 @@
-"""Goals of a user: PDDL text to atoms, and everything that can be wrong with a goal before anything is planned."""
+"""Goals written by a user: PDDL text to atoms, and all checks of a goal before planning starts."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -28,7 +28,7 @@ def check_goal(goal: frozenset[Atom], initial: State) -> None:
     """Refuse a goal that needs no plan, or that no plan can reach, from the initial state.
 
     Raises:
-        IctampError: the goal holds already, or wants a box upright that lies on its side or the other way round.
+        IctampError: The goal already holds, or it asks for a tipped box to be upright or an upright box to be tipped.
     """
     if goal <= initial:
         raise IctampError(Code.GOAL_HOLDS, "{value} already holds at the start", field=_FIELD, value=_text(goal))
@@ -92,7 +92,7 @@ def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str
 
 
 def _group_shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:
-    """Each object that several atoms have at the position, with these atoms."""
+    """Yield each object that several atoms have at the position, with these atoms."""
     by_object: dict[str, list[Atom]] = {}
     for atom in sorted(goal):
         by_object.setdefault(atom.args[position], []).append(atom)

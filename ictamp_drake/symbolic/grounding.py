@@ -1,7 +1,7 @@
-"""Grounding: from the operators of a PDDL domain and the objects of a scene to actions without variables.
+"""Grounding: turns the operators of a PDDL domain and the objects of a scene into actions without variables.
 
-A predicate that no effect speaks of is static: its atoms are as they are in the initial state for good. So they are
-settled here, none of them is left in what comes out, and an action that they rule out does not come out.
+A predicate is static if no effect mentions it. Its atoms never change from the initial state, so grounding evaluates
+them: ground actions contain no static atoms, and actions that static atoms rule out are left out.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -29,15 +29,15 @@ from ictamp_drake.symbolic.formulas import (
 from ictamp_drake.symbolic.operators import Operator, PddlDomain, lineage
 
 MAX_PARTS = 10_000_000
-"""Parts of formulas that are looked at in grounding a domain: some ten seconds."""
+"""Maximum number of formula parts evaluated while grounding a domain, which takes about ten seconds."""
 
 _Binding = dict[str, str]
-"""The objects that variables stand for, by variable."""
+"""Object of each variable, by the name of the variable."""
 
 
 @dataclass(frozen=True)
 class ConditionalEffect:
-    """What an action does besides where `condition` holds before it."""
+    """Additional effect of an action when `condition` holds before it."""
 
     condition: Formula
     add: frozenset[Atom]
@@ -46,13 +46,13 @@ class ConditionalEffect:
 
 @dataclass(frozen=True)
 class GroundAction:
-    """An action a: applicable where its preconditions hold; what it deletes goes before what it adds comes.
+    """An action a, applicable where its preconditions hold. It deletes atoms before it adds others.
 
     Attributes:
-        action: name and objects.
-        preconditions, add, delete: ground atoms, none of them static.
-        further: a precondition that is more than a set of atoms.
-        conditional: effects that depend on the state.
+        action: Name and objects of the action.
+        preconditions, add, delete: Ground atoms, none of them static.
+        further: Additional precondition that is not just a set of atoms.
+        conditional: Effects that depend on the state.
     """
 
     action: Action
@@ -64,15 +64,15 @@ class GroundAction:
 
     @cached_property
     def is_plain(self) -> bool:
-        """Whether preconditions, add and delete are all that there is."""
+        """Whether the action consists of `preconditions`, `add` and `delete` only."""
         return self.further == TRUE and not self.conditional
 
     def applies(self, state: State) -> bool:
-        """Tell whether the action can be applied in the state."""
+        """Whether the action is applicable in the state."""
         return self.preconditions <= state and (self.is_plain or holds(self.further, state))
 
     def apply(self, state: State) -> State:
-        """The state after the action."""
+        """Return the state after the action."""
         add, delete = self.add, self.delete
         for effect in self.conditional:
             if holds(effect.condition, state):
@@ -81,22 +81,22 @@ class GroundAction:
 
 
 def ground(domain: PddlDomain, objects: Mapping[str, str], initial: State) -> tuple[GroundAction, ...]:
-    """The ground actions that the static atoms of the initial state allow, operator by operator.
+    """Return the ground actions that the static atoms of the initial state allow, operator by operator.
 
     Args:
-        domain: the operators.
-        objects: types of the objects, by name.
-        initial: the state that settles static atoms.
+        domain: Domain with the operators.
+        objects: Types of the objects by name.
+        initial: Initial state, which decides static atoms.
 
     Raises:
-        IctampError: there are too many ways to choose objects.
+        IctampError: There are too many ways to choose objects.
     """
     grounder = _Grounder(domain, objects, initial)
     return tuple(action for operator in domain.operators for action in grounder.ground(operator))
 
 
 class _Grounder:
-    """Puts objects in the place of variables, and settles what is static."""
+    """Replaces variables by objects and evaluates static atoms."""
 
     def __init__(self, domain: PddlDomain, objects: Mapping[str, str], initial: State) -> None:
         self._objects: dict[str, list[str]] = {}
@@ -109,7 +109,7 @@ class _Grounder:
         self._parts_left = MAX_PARTS
 
     def ground(self, operator: Operator) -> Iterator[GroundAction]:
-        """The actions that come of an operator, in the order of their objects."""
+        """Yield the ground actions of an operator, in the order of their objects."""
         for binding in self._choices(operator):
             precondition = conjuncts(self._simplify(operator.precondition, binding))
             atoms = frozenset(part for part in precondition if isinstance(part, Atom))
@@ -121,7 +121,7 @@ class _Grounder:
             yield GroundAction(action, atoms, always.add, always.delete, _conjunction(further), tuple(conditional))
 
     def _choices(self, operator: Operator) -> Sequence[_Binding]:
-        """The bindings of the parameters that no static part of the precondition rules out."""
+        """Return the bindings of the parameters that no static part of the precondition rules out."""
         parts = conjuncts(operator.precondition)
         bindings: list[_Binding] = [{}]
         for number, variable in enumerate(operator.parameters):
@@ -136,7 +136,7 @@ class _Grounder:
         return bindings
 
     def _effects(self, operator: Operator, binding: _Binding) -> list[ConditionalEffect]:
-        """What happens always, and then what depends on the state."""
+        """Return the unconditional effect, followed by those that depend on the state."""
         found: dict[Formula, tuple[set[Atom], set[Atom]]] = {TRUE: (set(), set())}
         for effect in operator.effects:
             for wider in self._instances(effect.variables, binding, conjuncts(effect.condition)):
@@ -147,7 +147,7 @@ class _Grounder:
         return [ConditionalEffect(when, frozenset(add), frozenset(delete)) for when, (add, delete) in found.items()]
 
     def _simplify(self, formula: Formula, binding: _Binding) -> Formula:
-        """What is left of a formula: TRUE, FALSE, or a ground formula of atoms that can change."""
+        """Reduce a formula to TRUE, FALSE, or a ground formula of atoms that can change."""
         self._count()
         match formula:
             case Atom():
@@ -168,7 +168,7 @@ class _Grounder:
     def _instances(
         self, variables: Sequence[Variable], binding: _Binding, parts: Sequence[Formula]
     ) -> Iterable[_Binding]:
-        """The binding with objects for more variables, save some for which the parts do not all hold."""
+        """Extend the binding by objects for more variables. Some that violate the parts may be left out."""
         bindings: Iterable[_Binding] = [binding]
         for variable in variables:
             bindings = self._extend_bindings(bindings, variable, parts)
@@ -183,7 +183,7 @@ class _Grounder:
                 yield {**binding, variable.name: name}
 
     def _candidates(self, variable: Variable, binding: _Binding, parts: Sequence[Formula]) -> Sequence[str]:
-        """The objects that a variable can stand for: just one where the parts say which it equals."""
+        """Return the possible objects of a variable, at most one where the parts equate it with an object."""
         objects = self._objects.get(variable.type, [])
         for part in parts:
             if isinstance(part, Equal) and variable.name in part.terms:
@@ -213,7 +213,7 @@ def _terms(formula: Formula) -> set[str]:
 
 
 def _conjunction(parts: Iterable[Formula]) -> Formula:
-    """The conjunction in its simplest form; parts after the first that is FALSE are not looked at."""
+    """Return the conjunction in its simplest form. Parts after the first FALSE are not evaluated."""
     left = list[Formula]()
     for part in parts:
         if part is FALSE:
@@ -225,7 +225,7 @@ def _conjunction(parts: Iterable[Formula]) -> Formula:
 
 
 def _disjunction(parts: Iterable[Formula]) -> Formula:
-    """The disjunction in its simplest form; parts after the first that is TRUE are not looked at."""
+    """Return the disjunction in its simplest form. Parts after the first TRUE are not evaluated."""
     left = list[Formula]()
     for part in parts:
         if part is TRUE:

@@ -1,36 +1,22 @@
-"""How many actions a state is still away from the goal: the guides of the search for plans."""
+"""Guides of the search for plans: estimates of the number of actions from a state to the goal."""
 
 import math
 from collections import deque
 from collections.abc import Collection, Iterator
 from functools import cache
-from typing import Protocol
 
+from ictamp_drake.core.protocols import Guide
 from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import MOVED, held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.masks import Masks
 
 
-class Guide(Protocol):
-    """What `skeletons.PlanStream` orders its paths by."""
-
-    @property
-    def horizon(self) -> float:
-        """Plans of up to this many actions are ordered rightly; raised by `grow`."""
-
-    def estimate_distance(self, state: State) -> float:
-        """Actions from the state to the goal, as far as known; infinite when no way is known."""
-
-    def grow(self) -> None:
-        """Expand one state to learn more; called only while the horizon is finite."""
-
-
 class BreadthFirstDistance:
-    """Exact distances from a breadth-first search that keeps each state once and grows on demand.
+    """Exact distances from a breadth-first search that stores each state once and grows on demand.
 
-    All states of a plan with n actions, save the last, are less than n actions away from the start. So when the layers
-    0 to n - 1 are expanded, every way to the goal that such a plan can take is known: the horizon is n.
+    All states of a plan with n actions, except the last, are less than n actions away from the start. So once the
+    layers 0 to n - 1 are expanded, every path to the goal that such a plan can take is known: the horizon is n.
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
@@ -71,7 +57,7 @@ class BreadthFirstDistance:
             self._frontier.append(mask)
 
     def _shorten(self, mask: int, distance: int) -> None:
-        """Lower the distance of the state, and with it those of the states before it."""
+        """Lower the distance of the state and those of the states before it."""
         pending = deque([(mask, distance)])
         while pending:
             mask, distance = pending.popleft()
@@ -81,12 +67,12 @@ class BreadthFirstDistance:
 
 
 class MoveCount:
-    """A lower bound from the towers alone, times a weight: two actions for each move that cannot be avoided.
+    """A lower bound from the towers alone, times a weight: two actions for each unavoidable move.
 
     A box must move when it is not where the goal wants it, when it is where the goal wants another box, when it is in
-    the way of an action that cannot be avoided, or when it rests on a box that must move. It must move twice when a box
-    that must move is beneath it now and in the goal: it has to leave before that box does, and can take its place only
-    after. The bound never falls by more than one an action, so with weight 1 plans come in order of their length; more
+    the way of an unavoidable action, or when it rests on a box that must move. It must move twice when a box that must
+    move is beneath it both now and in the goal: it has to leave before that box does, and can take its place only
+    afterwards. An action lowers the bound by at most one, so with weight 1 plans come in order of length. A greater
     weight means fewer nodes and longer plans.
     """
 
@@ -135,7 +121,7 @@ class MoveCount:
         return to_move
 
     def _list_in_the_way(self, state: State, supporter: dict[str, str], to_move: set[str]) -> Iterator[str]:
-        """Of the one action that picks up a box that must move, or the one that puts a box where the goal wants it."""
+        """Yield boxes in the way of an unavoidable action: a pick of a box that must move, or a place of the goal."""
         for (name, (box, place)), obstacle in self._obstructions:
             there, moves = supporter.get(box) == place, box in to_move
             needed = there and moves if name == "pick" else self._target.get(box) == place and (moves or not there)
@@ -160,7 +146,7 @@ class MoveCount:
 
 
 class Patience:
-    """One guide until it has grown so often, then another one."""
+    """Uses one guide until it has grown a given number of times, then another one."""
 
     def __init__(self, first: Guide, then: Guide, growths: int) -> None:
         self._guide = first

@@ -1,4 +1,4 @@
-"""A ground domain on integers, for a search that meets tens of thousands of states."""
+"""A ground domain encoded as integers, for searches that visit tens of thousands of states."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from ictamp_drake.symbolic.grounding import GroundAction
 
 
 class Masks:
-    """States as integers with a bit for each atom that an action or the goal speaks of; all others never change."""
+    """States as integers, with one bit for each atom that an action or the goal mentions. All others never change."""
 
     def __init__(self, domain: Domain, goal: frozenset[Atom]) -> None:
         self._actions = domain.actions
@@ -23,11 +23,11 @@ class Masks:
         self._rarest = sum(self._by_bit)
 
     def encode(self, state: State) -> int:
-        """The integer of a state, or of any other set of atoms."""
+        """Encode a state, or any other set of atoms, as an integer."""
         return sum([self._bits.get(atom, 0) for atom in state])
 
     def successors(self, mask: int) -> Iterator[int]:
-        """The states that the applicable actions promise, in the order of the actions."""
+        """Yield the states that the applicable actions promise, in the order of the actions."""
         numbers, waiting = list(self._always), mask & self._rarest
         while waiting:
             bit = waiting & -waiting

@@ -1,4 +1,4 @@
-"""What a PDDL domain declares: types, constants, predicates, and actions whose objects are still open."""
+"""Declarations of a PDDL domain: types, constants, predicates, and actions with variables for objects."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -7,18 +7,19 @@ from ictamp_drake.core.types import Atom
 from ictamp_drake.symbolic.formulas import Formula, Variable
 
 OBJECT = "object"
-"""The type that all others belong to."""
+"""Root type, the ancestor of all others."""
 
 
 @dataclass(frozen=True)
 class Effect:
-    """What an action does to one atom: if `condition` holds before, the atom holds after (`adds`), or does not.
+    """Effect of an action on one atom: if `condition` holds before, the atom is added or deleted.
 
     Attributes:
-        variables: what else the atom and the condition speak of than parameters; it happens for all objects.
-        condition: TRUE for what always happens.
-        atom: with variables for objects.
-        adds: False for an atom that is deleted.
+        variables: Variables in the atom and the condition besides the parameters. The effect applies to all choices of
+            objects for them.
+        condition: Condition of the effect, TRUE for an effect that always happens.
+        atom: Atom with variables for objects.
+        adds: Whether the atom is added. False for an atom that is deleted.
     """
 
     variables: tuple[Variable, ...]
@@ -29,7 +30,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Operator:
-    """An action whose objects are still open."""
+    """An action with variables for its objects."""
 
     name: str
     parameters: tuple[Variable, ...]
@@ -39,13 +40,13 @@ class Operator:
 
 @dataclass(frozen=True)
 class PddlDomain:
-    """What a domain file declares.
+    """Declarations of a domain file.
 
     Attributes:
-        types: each type with the one that it is a kind of; OBJECT has none and is left out.
-        constants: objects of every problem, with their types.
-        predicates: types of the arguments of each.
-        operators: the actions.
+        types: Parent of each type by name. OBJECT has no parent and is left out.
+        constants: Types of the objects that exist in every problem, by name.
+        predicates: Types of the arguments of each predicate, by name.
+        operators: Actions of the domain.
     """
 
     types: Mapping[str, str]
@@ -55,7 +56,7 @@ class PddlDomain:
 
 
 def lineage(kind: str, types: Mapping[str, str]) -> Iterator[str]:
-    """The type and all that it is a kind of, up to OBJECT."""
+    """Yield the type and all its ancestors, up to OBJECT."""
     while kind != OBJECT:
         yield kind
         kind = types[kind]

@@ -1,7 +1,7 @@
-"""Reads PDDL domains: typed STRIPS with negative, disjunctive and quantified conditions, and conditional effects.
+"""Reader of PDDL domains: typed STRIPS with negative, disjunctive and quantified conditions, and conditional effects.
 
-Case does not count, as always in PDDL. What is read is checked: every type, predicate, object and variable is declared,
-and every term is of the type that its predicate asks for.
+PDDL is not case-sensitive. The reader checks that every type, predicate, object and variable is declared, and that
+every term has the type its predicate asks for.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -27,7 +27,7 @@ REQUIREMENTS = (
     ":conditional-effects",
     ":adl",
 )
-"""What a domain may require."""
+"""Requirements that a domain may declare."""
 
 _SECTIONS = (":requirements", ":types", ":constants", ":predicates", ":action")
 _PARTS = {
@@ -35,7 +35,7 @@ _PARTS = {
     ":precondition": ":precondition CONDITION",
     ":effect": ":effect EFFECT",
 }
-"""What follows the name of an action, each at most once."""
+"""Parts that follow the name of an action, each at most once."""
 
 _FORMS = {
     "and": "(and PART ...)",
@@ -47,27 +47,27 @@ _FORMS = {
     "exists": "(exists (?VARIABLE - TYPE ...) PART) in a condition",
     "=": "(= TERM TERM) in a condition",
 }
-"""How the words that are no predicates are used."""
+"""Correct forms of the words that are not predicates."""
 
 _Scope = Mapping[str, str]
-"""Variables that may be used, with their types."""
+"""Types of the variables that may be used, by name."""
 
 
 @cache
 def boxes_domain() -> PddlDomain:
-    """The domain of `domain.pddl`."""
+    """Return the domain of `domain.pddl`."""
     return read_domain((files("ictamp_drake.symbolic") / "domain.pddl").read_text(encoding="utf-8"), "domain.pddl")
 
 
 def read_domain(text: str, where: str) -> PddlDomain:
-    """The domain that a text describes.
+    """Read a domain from its text.
 
     Args:
         text: (define (domain ...) ...).
         where: Name of the file in errors.
 
     Raises:
-        IctampError: the line, the expression in it and what was expected.
+        IctampError: The text is malformed. The message names the line, the expression and what was expected.
     """
     try:
         return _Reader().domain(read(text.lower()))
@@ -77,7 +77,7 @@ def read_domain(text: str, where: str) -> PddlDomain:
 
 
 class _Reader:
-    """Reads one domain, and knows what has been declared so far."""
+    """Reads one domain and keeps track of the declarations so far."""
 
     def __init__(self) -> None:
         self._types: dict[str, str] = {}
@@ -229,7 +229,7 @@ class _Reader:
         return kind
 
     def _read_typed_list(self, group: Group, start: int, variables: bool = False) -> dict[str, str]:
-        """The names of a typed list with their types; variables, and they alone, begin with ?."""
+        """Return the names of a typed list with their types. Variables, and nothing else, begin with ?."""
         found: dict[str, str] = {}
         for name, kind in _read_declarations(group, start):
             if kind != OBJECT and kind not in self._types:
@@ -241,7 +241,7 @@ class _Reader:
 
 
 def _read_declarations(group: Group, start: int) -> Iterator[tuple[str, str]]:
-    """The pairs of a typed list such as (a b - box c); what has no type is an object."""
+    """Yield the names and types of a typed list such as (a b - box c). A name without a type is an object."""
     names: list[str] = []
     words = iter(group.items[start:])
     for word in words:

@@ -1,7 +1,7 @@
 """Streams of high-level plans p = (s_0, a_1, s_1, ..., s_n), resumable after any number of expansions.
 
-A stream holds every plan that repeats no state within itself and ends where it first meets the goal. Two plans may
-share any of their states. The order depends on nothing but the problem.
+A stream contains every plan that visits no state twice and ends where it first reaches the goal. Different plans may
+share states. The order depends only on the problem.
 """
 
 import math
@@ -11,20 +11,21 @@ from heapq import heappop, heappush, heapreplace
 from typing import NamedTuple, Optional
 
 from ictamp_drake.core.checks import FINITE, check_fields
-from ictamp_drake.core.protocols import PlanGenerator
+from ictamp_drake.core.protocols import Guide, PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.symbolic.guides import BreadthFirstDistance, Guide, MoveCount, Patience
+from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount, Patience
 
 
 @dataclass(frozen=True)
 class BreadthFirst:
-    """Plans in order of length, the first after about as many nodes as breadth-first search takes.
+    """Plans in order of length. The first one takes about as many nodes as breadth-first search.
 
     Attributes:
-        patience: states that breadth-first search may expand. With many objects that is not enough, and the moves that
-            cannot be avoided guide the stream from there on (A*).
+        patience: Maximum number of states that breadth-first search expands. When it is used up, as with many objects,
+            the number of unavoidable moves guides the search from then on (A*).
     """
 
     patience: int = 50_000
@@ -32,19 +33,20 @@ class BreadthFirst:
     def __post_init__(self) -> None:
         check_fields(self, "generators.breadth-first", patience=(1, math.inf))
 
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """A stream of plans from `initial` to states that hold `goal`."""
+    def create(self, context: GeneratorContext) -> PlanGenerator:
+        """A stream of plans from the initial state to states that hold the goal."""
+        domain, initial, goal = context.domain, context.initial, context.goal
         distance, moves = BreadthFirstDistance(domain, initial, goal), MoveCount(domain, goal, weight=1.0)
         return Detours(domain, initial, goal, Patience(distance, moves, self.patience))
 
 
 @dataclass(frozen=True)
 class BestFirst:
-    """Plans for many objects, near the shortest first.
+    """Plans for many objects, roughly the shortest first.
 
     Attributes:
-        weight: factor on the least number of actions that a state still needs. With 1 plans come in order of length;
-            a greater one means fewer nodes until the first plan and a looser order.
+        weight: Factor on the lower bound for the actions that a state still needs. With 1, plans come in order of
+            length. A greater weight means fewer nodes until the first plan and a looser order.
     """
 
     weight: float = 2.0
@@ -52,14 +54,15 @@ class BestFirst:
     def __post_init__(self) -> None:
         check_fields(self, "generators.best-first", weight=(0, FINITE))
 
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """A stream of plans from `initial` to states that hold `goal`."""
-        return Detours(domain, initial, goal, MoveCount(domain, goal, self.weight))
+    def create(self, context: GeneratorContext) -> PlanGenerator:
+        """A stream of plans from the initial state to states that hold the goal."""
+        domain, goal = context.domain, context.goal
+        return Detours(domain, context.initial, goal, MoveCount(domain, goal, self.weight))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Path:
-    """A beginning of a plan, linked to the one that is an action shorter."""
+    """Beginning of a plan, linked to the path that is one action shorter."""
 
     state: State
     length: int = 0
@@ -74,7 +77,7 @@ class _Path:
 
 
 class _Entry(NamedTuple):
-    """A path in the queue: least bound first, among equals the longest, among those the first generated."""
+    """Path in the queue, ordered by smallest bound, then greatest length, then first generated."""
 
     bound: float
     minus_length: int
@@ -83,10 +86,10 @@ class _Entry(NamedTuple):
 
 
 class PlanStream:
-    """Best-first search over paths instead of states: a path waits under its length plus what the guide says remains.
+    """Best-first search over paths instead of states. The bound of a path is its length plus the guide's estimate.
 
-    A node is a path taken from the queue or a state that the guide expands; a plan costs at least one. Paths that a
-    guide with a finite horizon cannot order yet wait just beyond its horizon.
+    A node is a path taken from the queue or a state that the guide expands. A plan costs at least one node. Paths that
+    a guide with a finite horizon cannot order yet wait just beyond its horizon.
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
@@ -99,16 +102,16 @@ class PlanStream:
 
     @property
     def exhausted(self) -> bool:
-        """True when no further plan can come."""
+        """Whether no further plan can come."""
         return not self._queue
 
     @property
     def expanded(self) -> int:
-        """Nodes expanded since the start."""
+        """Number of nodes expanded since the start."""
         return self._expanded
 
     def next_plan(self, max_expansions: int) -> Skeleton | None:
-        """Expand at most `max_expansions` nodes and return the first new plan met, else None."""
+        """Expand at most `max_expansions` nodes and return the first new plan found, otherwise None."""
         limit = self._expanded + max_expansions
         while self._settle_first() and self._expanded < limit:
             self._expanded += 1
@@ -122,7 +125,7 @@ class PlanStream:
         return None
 
     def _settle_first(self) -> bool:
-        """Bring the first path's bound up to date until it stays first; False when no path is left."""
+        """Update the bound of the first path until it stays first. Return False when no path is left."""
         while self._queue:
             entry = self._queue[0]
             bound = self._bound(entry.path)
@@ -147,10 +150,11 @@ class PlanStream:
 
 
 class Detours:
-    """A stream of plans, and beside it one for each set of obstructions, of plans that move them first.
+    """A stream of plans and, for each set of obstructions, a stream of plans that move them first.
 
-    Such a plan does without the hindered action, or moves the box before it, if only to another place on what it stands
-    on. Nothing says that it will be out of the way then; that is the affair of the steps. No plan is given twice.
+    Such a plan either avoids the obstructed action or moves the obstructing box before it, possibly just to another
+    place on the same receptacle. The plan does not guarantee that the box is then out of the way; the low-level steps
+    decide that. No plan is returned twice.
     """
 
     def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
@@ -164,18 +168,18 @@ class Detours:
 
     @property
     def exhausted(self) -> bool:
-        """True when no further plan can come."""
+        """Whether no further plan can come."""
         return self._plain.exhausted
 
     @property
     def expanded(self) -> int:
-        """Nodes expanded since the start."""
+        """Number of nodes expanded since the start."""
         return sum(stream.expanded for stream in (self._plain, *self._around.values()))
 
     def next_plan(self, max_expansions: int, obstructions: frozenset[Obstruction] = frozenset()) -> Skeleton | None:
-        """Expand at most `max_expansions` nodes and return the first new plan met, else None.
+        """Expand at most `max_expansions` nodes and return the first new plan found, otherwise None.
 
-        When none is met that moves the obstructions, the next one with these is any plan.
+        When no plan that moves the obstructions is found, the next call with the same obstructions returns any plan.
         """
         obstructions = frozenset(filter(self._can_be_moved_first, obstructions))
         if not obstructions or obstructions in self._barren:
@@ -197,7 +201,7 @@ class Detours:
         return None
 
     def _can_be_moved_first(self, obstruction: Obstruction) -> bool:
-        """No support can be moved, nor a box before what is on top of it is picked up."""
+        """Whether the box of an obstruction can be moved first: not a support, and not beneath the box to pick."""
         (name, args), box = obstruction
         return box in self._domain.boxes and not (
             name == "pick" and box in objects_beneath(args[0], supporters(self._initial))

@@ -4,13 +4,16 @@ A choice between implementations is a dataclass with one field for each; its fie
 """
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, get_args
 
 import tyro
 
 from ictamp_drake.core.checks import check_choice, check_range
+from ictamp_drake.core.protocols import Config, Learned, NeedsEstimator
 from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
@@ -19,16 +22,22 @@ from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.round_robin import RoundRobinConfig
+from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
-from ictamp_drake.skills.policy import PolicyConfig
-from ictamp_drake.skills.runner import SkillsConfig
-from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.skills.config import (
+    OptimizationConfig,
+    PickConfig,
+    PlaceConfig,
+    PolicyConfig,
+    SkillsConfig,
+    UniformConfig,
+)
+from ictamp_drake.skills.context import SamplerConfig
+from ictamp_drake.symbolic.context import GeneratorConfig
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
-from ictamp_drake.tamp.parts import Parts
-from ictamp_drake.world.predicates import PredicateConfig
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.tamp.parts import GROUPS, find_part, list_constants, load_installed, name_part, set_constants
+from ictamp_drake.world.config import PhysicsConfig, PredicateConfig
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,10 @@ class Samplers:
     policy: PolicyConfig = PolicyConfig()
     optimisation: OptimizationConfig = OptimizationConfig()
     uniform: UniformConfig = UniformConfig()
+
+    def by_name(self) -> dict[str, SamplerConfig]:
+        """Each by the name that chooses it."""
+        return {"policy": self.policy, "optimisation": self.optimisation, "uniform": self.uniform}
 
 
 @dataclass(frozen=True)
@@ -49,6 +62,15 @@ class Estimators:
     constant: ConstantConfig = ConstantConfig()
     monte_carlo: MonteCarloConfig = MonteCarloConfig()
 
+    def by_name(self) -> dict[str, EstimatorConfig]:
+        """Each by the name that chooses it."""
+        return {
+            "p-score": self.p_score,
+            "q-value": self.q_value,
+            "constant": self.constant,
+            "monte-carlo": self.monte_carlo,
+        }
+
 
 @dataclass(frozen=True)
 class Generators:
@@ -56,6 +78,10 @@ class Generators:
 
     breadth_first: BreadthFirst = BreadthFirst()
     best_first: BestFirst = BestFirst()
+
+    def by_name(self) -> dict[str, GeneratorConfig]:
+        """Each by the name that chooses it."""
+        return {"breadth-first": self.breadth_first, "best-first": self.best_first}
 
 
 @dataclass(frozen=True)
@@ -69,6 +95,17 @@ class Planners:
     stap: StapConfig = StapConfig()
     adaptive: AdaptiveConfig = AdaptiveConfig()
 
+    def by_name(self) -> dict[str, RuleConfig]:
+        """Each by the name that chooses it."""
+        return {
+            "completion-tree": self.completion_tree,
+            "els": self.els,
+            "round-robin": self.round_robin,
+            "uniform": self.uniform,
+            "stap": self.stap,
+            "adaptive": self.adaptive,
+        }
+
 
 Verification = Literal["none", "awake", "fine"]
 """What a found plan must pass besides the execution of its skills; see `Method`."""
@@ -79,28 +116,22 @@ Execution = Literal["each-step", "whole-plan"]
 FINE_STEP = 1e-3
 """Time step of the strictest verification [s]."""
 
-FAMILIES: dict[str, type] = {
-    "sampler": Samplers,
-    "estimator": Estimators,
-    "generator": Generators,
-    "planner": Planners,
-}
-"""What each choice of a `Method` is among."""
-
-
-def choices(configs: type) -> tuple[str, ...]:
-    """What can be chosen from a dataclass of configurations, as it is written on the command line."""
-    return tuple(field.name.replace("_", "-") for field in dataclasses.fields(configs))
-
-
-def choose_config(configs: object, choice: str) -> Any:
-    """The configuration with that name."""
-    return getattr(configs, choice.replace("-", "_"))
-
 
 def describe_choices(names: tuple[str, ...]) -> Any:
     """How the help shows an option that takes one of the names."""
     return tyro.conf.arg(metavar=f"{{{','.join(names)}}}")
+
+
+def _describe_part(option: str, known: Iterable[str]) -> Any:
+    """How the help shows an option that takes the name of a part; installed ones are among them."""
+    names = ",".join([*known, *load_installed(option), "MODULE:CLASS"])
+    return tyro.constructors.PrimitiveConstructorSpec(
+        nargs=1,
+        metavar=f"{{{names}}}",
+        instance_from_str=lambda arguments: arguments[0],
+        is_instance=lambda part: isinstance(part, (str, Config)),
+        str_from_instance=lambda part: [part if isinstance(part, str) else name_part(part)],
+    )
 
 
 @dataclass(frozen=True)
@@ -135,10 +166,10 @@ class Method:
     time_limit: float = 60.0
     max_steps: int | None = None
     seed: int = 0
-    sampler: Annotated[str, describe_choices(choices(Samplers))] = "policy"
-    estimator: Annotated[str, describe_choices(choices(Estimators))] = "p-score"
-    generator: Annotated[str, describe_choices(choices(Generators))] = "breadth-first"
-    planner: Annotated[str, describe_choices(choices(Planners))] = "completion-tree"
+    sampler: Annotated[str | SamplerConfig, _describe_part("sampler", Samplers().by_name())] = "policy"
+    estimator: Annotated[str | EstimatorConfig, _describe_part("estimator", Estimators().by_name())] = "p-score"
+    generator: Annotated[str | GeneratorConfig, _describe_part("generator", Generators().by_name())] = "breadth-first"
+    planner: Annotated[str | RuleConfig, _describe_part("planner", Planners().by_name())] = "completion-tree"
     max_expansions: int = PlannerConfig.max_expansions
     verify: Verification = "none"
     execution: Annotated[Execution, tyro.conf.arg(name="physics")] = "each-step"
@@ -157,10 +188,10 @@ class Method:
         check_range("max-expansions", self.max_expansions, 1, 1e9)
         check_choice("verify", self.verify, get_args(Verification))
         check_choice("physics", self.execution, get_args(Execution))
-        for field, family in FAMILIES.items():
-            name = getattr(self, field).replace("_", "-")  # both ways of writing a name
-            check_choice(field, name, choices(family))
-            object.__setattr__(self, field, name)
+        for option in GROUPS:
+            if isinstance(name := getattr(self, option), str):
+                object.__setattr__(self, option, name if ":" in name or "(" in name else name.replace("_", "-"))
+        self.check_parts()
 
     def with_options(self, **options: Any) -> "Method":
         """The same method with other values of some fields.
@@ -172,33 +203,44 @@ class Method:
             check_choice("option", name, [field.name for field in dataclasses.fields(self)])
         return replace(self, **options)
 
+    def check_parts(self) -> None:
+        """Raise IctampError when a part does not exist or cannot be made."""
+        for config in (self.sampler_config, self.estimator_config, self.generator_config, self.rule_config):
+            assert config
+
     def check(self) -> None:
         """Raise IctampError at once, rather than in every problem, when what was learned is not to be had."""
         for config in self.learned:
             config.check()
 
     @property
-    def learned(self) -> list[Any]:
+    def learned(self) -> list[Learned]:
         """Those of the chosen sampler and estimator that need trained networks."""
-        return [config for config in (self.parts.sampler, self.parts.estimator) if hasattr(config, "check")]
+        return [config for config in (self.sampler_config, self.estimator_config) if isinstance(config, Learned)]
 
     @property
-    def parts(self) -> Parts:
-        """All that is chosen."""
-        return Parts(
-            choose_config(self.samplers, self.sampler),
-            self.estimator_config,
-            choose_config(self.generators, self.generator),
-            choose_config(self.planners, self.planner),
-        )
+    def sampler_config(self) -> SamplerConfig:
+        """The chosen sampler of k."""
+        return find_part("sampler", self.sampler, self.samplers.by_name())
 
     @property
-    def estimator_config(self) -> Any:
-        """The chosen estimator, or what stap needs in its place."""
-        if self.planner == "stap":
-            stap, critics = self.planners.stap, self.estimators.q_value
-            return replace(critics, horizon="plan", best=True, draws=stap.draws, refinements=stap.iterations)
-        return choose_config(self.estimators, self.estimator)
+    def estimator_config(self) -> EstimatorConfig:
+        """The chosen estimator, or the one that the rule needs in its place."""
+        known, rule = self.estimators.by_name(), self.rule_config
+        if isinstance(rule, NeedsEstimator):
+            name, constants = rule.estimator
+            return set_constants(find_part("estimator", name, known), constants)
+        return find_part("estimator", self.estimator, known)
+
+    @property
+    def generator_config(self) -> GeneratorConfig:
+        """The chosen generator of high-level plans."""
+        return find_part("generator", self.generator, self.generators.by_name())
+
+    @property
+    def rule_config(self) -> RuleConfig:
+        """The chosen selection rule."""
+        return find_part("planner", self.planner, self.planners.by_name())
 
     @property
     def verification(self) -> PhysicsConfig | None:
@@ -211,12 +253,23 @@ class Method:
     @property
     def decisive(self) -> dict[str, Any]:
         """Every option that decides how a problem is solved: all but the constants of what is not chosen."""
+        rule, generator = self.rule_config, self.generator_config
+        estimator = rule.estimator[0] if isinstance(rule, NeedsEstimator) else self.estimator
+        used: dict[str, tuple[object, object]] = {
+            "sampler": (self.sampler, self.sampler_config),
+            "estimator": (estimator, find_part("estimator", estimator, self.estimators.by_name())),
+            "generator": (self.generator, generator),
+            "planner": (self.planner, rule),
+        }
         values = dataclasses.asdict(self)
-        used = {choice: getattr(self, choice) for choice in FAMILIES}
-        used |= {"estimator": "q-value"} if self.planner == "stap" else {}
-        for choice, name in used.items():
-            field = name.replace("-", "_")
-            values[f"{choice}s"] = {field: values[f"{choice}s"][field]}
+        for option, (chosen, config) in used.items():
+            if not isinstance(values[option], str):
+                values[option] = name_part(config)
+            name = chosen if isinstance(chosen, str) else name_part(config)
+            values[f"{option}s"] = {name.replace("-", "_"): list_constants(config)}
+        for action, skill in {"pick": self.skills.pick, "place": self.skills.place}.items():
+            if type(skill) not in (PickConfig, PlaceConfig):
+                values["skills"][action] = {"class": name_part(skill), **list_constants(skill)}
         return values
 
     def budget(self, elapsed: float) -> Budget:

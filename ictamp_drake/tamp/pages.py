@@ -18,7 +18,8 @@ from ictamp_drake.viz.replay import plan_captions, replay_html
 from ictamp_drake.viz.search_page import search_html
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tree import draw_tree
-from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
+from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
 

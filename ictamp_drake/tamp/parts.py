@@ -1,46 +1,145 @@
-"""What a search is put together from, so that any part can be one of one's own; see docs/extending.md."""
+"""Parts of your own: installed ones, and those that are named by `package.module:Class` or given as an object.
 
+An installed package offers parts by entry points of these groups; the name of the entry point is what one chooses:
+
+    [project.entry-points."ictamp_drake.samplers"]
+    mine = "my_package.my_module:MySampler"
+
+A text may set constants of such a part, as in `mine(depth=0.02)` or `my_package.my_module:MySampler(depth=0.02)`.
+"""
+
+import ast
+import dataclasses
+import re
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Protocol
+from functools import cache
+from importlib import import_module, metadata
+from multiprocessing import parent_process
+from typing import Any, TypeVar
 
-from ictamp_drake.core.protocols import Estimator, PlanGenerator, SkillRunner
-from ictamp_drake.core.types import Atom, Configuration, State
-from ictamp_drake.planning.rule import RuleConfig
-from ictamp_drake.skills.base import SkillConfig
-from ictamp_drake.skills.runner import SamplerConfig
-from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.world.world import World
+from ictamp_drake.core.checks import check_choice
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.protocols import Config
 
+GROUPS = {
+    "sampler": "ictamp_drake.samplers",
+    "estimator": "ictamp_drake.estimators",
+    "generator": "ictamp_drake.generators",
+    "planner": "ictamp_drake.planners",
+}
+"""Group of entry points for each choice of a `Method`."""
 
-class EstimatorConfig(Protocol):
-    """Configuration of an estimator."""
+P = TypeVar("P")
 
-    def create(self, world: World, skills: SkillRunner[Configuration]) -> Estimator[Configuration]:
-        """The estimator for one search in the scene, with the skills that the search runs."""
-
-
-class GeneratorConfig(Protocol):
-    """Configuration of a plan generator."""
-
-    def create(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> PlanGenerator:
-        """A stream of plans from `initial` to states that hold `goal`."""
+_TEXT = re.compile(r"(?P<name>[\w.:-]+)(?P<constants>\(.*\))?", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Parts:
-    """Configurations of the parts of a search, those of a `Method` or of one's own.
+def find_part(option: str, chosen: str | P, known: Mapping[str, P]) -> P:
+    """The configuration that was chosen: by name, by a text, or itself.
 
-    Attributes:
-        sampler: of k.
-        estimator: of P.
-        generator: of high-level plans.
-        rule: that chooses the next computational action.
-        skills: by the name of their action, in the place of those of the package.
+    Args:
+        option: One of `GROUPS`.
+        chosen: A name, `package.module:Class`, either of them with constants in brackets, or a configuration.
+        known: The configurations of the package by name.
+
+    Raises:
+        IctampError: There is no such part, or it cannot be imported or made.
     """
+    if not isinstance(chosen, str):
+        return _check_part(option, name_part(chosen), chosen)
+    if chosen in known:
+        return known[chosen]
+    name, constants = _split_text(option, chosen)
+    if ":" in name:
+        return _make_part(option, chosen, _import_part(option, name), constants)
+    installed = load_installed(option)
+    check_choice(option, name, [*known, *installed])
+    if name in known:
+        problem, advice = "expected a name without constants, got {value}", f"set them by --{option}s.{name}.…"
+        raise IctampError(Code.NOT_READABLE, problem, field=option, value=chosen, advice=advice)
+    return _make_part(option, chosen, installed[name], constants)
 
-    sampler: SamplerConfig
-    estimator: EstimatorConfig
-    generator: GeneratorConfig
-    rule: RuleConfig
-    skills: Mapping[str, SkillConfig] = field(default_factory=dict)
+
+def name_part(config: object) -> str:
+    """The text that names the class of a configuration."""
+    return f"{type(config).__module__}:{type(config).__qualname__}"
+
+
+def list_constants(config: object) -> dict[str, Any]:
+    """The constants of a configuration by name, none where it is not a dataclass."""
+    return dataclasses.asdict(config) if dataclasses.is_dataclass(config) and not isinstance(config, type) else {}
+
+
+def set_constants(config: P, constants: Mapping[str, object]) -> P:
+    """The same configuration with other values of some constants."""
+    return type(config)(**{**vars(config), **constants})
+
+
+def load_installed(option: str) -> dict[str, object]:
+    """Parts that installed packages offer, by name. One that cannot be imported is named on stderr, once."""
+    return _load_all()[option]
+
+
+@cache
+def _load_all() -> dict[str, dict[str, object]]:
+    points = metadata.entry_points()  # this takes some milliseconds, so it is asked only once
+    found: dict[str, dict[str, object]] = {option: {} for option in GROUPS}
+    for option, group in GROUPS.items():
+        for point in sorted(points.select(group=group)):
+            try:
+                found[option][point.name] = point.load()
+            except Exception as error:
+                if parent_process() is None:  # workers keep quiet
+                    print(f"{option} {point.name} cannot be imported and is left out: {_say(error)}", file=sys.stderr)
+    return found
+
+
+def _split_text(option: str, text: str) -> tuple[str, dict[str, object]]:
+    """The name in a text, and the constants behind it."""
+    match = _TEXT.fullmatch(text)
+    if match is None:
+        return text, {}
+    try:
+        call = ast.parse(f"part{match['constants'] or '()'}", mode="eval").body
+        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.args:
+            raise ValueError("constants need names")
+        return match["name"], {each.arg or "**": ast.literal_eval(each.value) for each in call.keywords}
+    except (SyntaxError, ValueError) as error:
+        problem = "cannot read the constants of {value}; expected e.g. mine(depth=0.02)"
+        raise IctampError(Code.NOT_READABLE, problem, field=option, value=text) from error
+
+
+def _import_part(option: str, name: str) -> object:
+    module, _, attribute = name.partition(":")
+    try:
+        found = import_module(module)
+        for part in attribute.split("."):
+            found = getattr(found, part)
+    except Exception as error:
+        problem = f"cannot import {{value}}: {_say(error)}"
+        raise IctampError(Code.NOT_FOUND, problem, field=option, value=name) from error
+    return found
+
+
+def _make_part(option: str, text: str, found: object, constants: Mapping[str, object]) -> Any:
+    if isinstance(found, type):
+        try:
+            found = found(**constants)
+        except TypeError as error:
+            problem = f"cannot make {{value}}: {error}"
+            raise IctampError(Code.UNKNOWN_FIELD, problem, field=option, value=text) from error
+    elif constants:
+        raise IctampError(Code.WRONG_TYPE, "cannot set constants of {value}: not a class", field=option, value=text)
+    return _check_part(option, text, found)
+
+
+def _check_part(option: str, text: str, part: P) -> P:
+    if not isinstance(part, Config) or isinstance(part, type):
+        problem = "expected the configuration of a part, with a method create(context), got {value}"
+        raise IctampError(Code.WRONG_TYPE, problem, field=option, value=text)
+    return part
+
+
+def _say(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}".partition("\n")[0]

@@ -21,7 +21,7 @@ from ictamp_drake.symbolic.goals import parse_goal
 from ictamp_drake.tamp.replay import Replay, duration, replay
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.commands import arm_trajectory
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
 
 FORMAT = 2

@@ -8,12 +8,21 @@ from typing import Any
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Attempt, Configuration
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import PlannerConfig, Verify
 from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search is charged with it)
+    ik_sampler,
+    pick,
+    place,
+    policy,
+    runner,
+    uniform,
+)
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.explanation import Explanation
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
-from ictamp_drake.tamp.parts import Parts
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.tamp.replay import replay
 from ictamp_drake.tamp.task import Task
@@ -69,7 +78,6 @@ def solve(
     *,
     listeners: Sequence[Listener] = (),
     stop: Callable[[], bool] = lambda: False,
-    parts: Parts | None = None,
     **options: Any,
 ) -> Solution:
     """Plan until a plan is found and executed, or the budget is spent.
@@ -79,8 +87,8 @@ def solve(
         method: How it is solved.
         listeners: Called with every event of the search.
         stop: Asked before every computational action; True ends the search.
-        parts: Parts to search with, by default those that the method chose.
-        options: Fields of `Method` to be changed, e.g. sampler="optimisation", time_limit=30.
+        options: Fields of `Method` to be changed, e.g. sampler="optimisation", time_limit=30. A part is a name or a
+            configuration of your own, e.g. sampler=MySampler().
 
     Raises:
         IctampError: An option or its value does not exist, or the task was loaded with other physics.
@@ -90,15 +98,14 @@ def solve(
     if method.physics != task.physics.config:
         problem = "expected the physics of the task"
         raise IctampError(Code.CONFLICT, problem, field="physics", advice="pass the same method to load and solve")
-    parts = parts or method.parts
-    skills = method.skills.create(task.world, task.abstraction, task.physics, parts.sampler, parts.skills)
+    skills = method.skills.create(task.world, task.abstraction, task.physics, method.sampler_config)
     whole = method.execution == "whole-plan"
-    estimator = parts.estimator.create(task.world, skills)
+    estimator = method.estimator_config.create(EstimatorContext(task.world, skills))
     budget = method.budget(elapsed=task.setup_time_s + perf_counter() - started)
-    planner = PlannerConfig(budget, method.max_expansions, parts.rule).create(
+    planner = PlannerConfig(budget, method.max_expansions, method.rule_config).create(
         c=task.c,
         s=task.s,
-        generator=parts.generator.create(task.domain, task.s, task.goal),
+        generator=method.generator_config.create(GeneratorContext(task.domain, task.s, task.goal)),
         skills=replace(skills, promises=whole),
         execute=skills.execute if whole else None,
         estimator=estimator,

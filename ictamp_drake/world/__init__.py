@@ -1,1 +1,1 @@
-"""The scene in Drake: plants, c <-> Context, physics, predicates and H."""
+"""The scene in Drake: plants, conversion between c and Context, physics, predicates and H."""

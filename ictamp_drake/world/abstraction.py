@@ -1,20 +1,24 @@
-"""H: C -> S, computed from what is there and never assumed (paper, Problem Formulation)."""
+"""H: C -> S, always computed from the configuration, never assumed (paper, Problem Formulation)."""
 
 from collections.abc import Iterator
 
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, IN_HAND, LYING, ON, TIPPED, UPRIGHT
-from ictamp_drake.world.predicates import PredicateConfig, Scene
+from ictamp_drake.world.config import PredicateConfig
+from ictamp_drake.world.predicates import Scene
 from ictamp_drake.world.world import World
 
 
 class SceneAbstraction:
     """H of one scene.
 
-    on(a, b): b carries a, and a is upright. lying(a, b): b carries a, which is tipped over onto a side or its head.
-    in-hand(a): both fingers touch a, none cuts into it, and nothing carries it. clear(a): nothing touches a from above,
-    and it is not in the hand. hand-empty: nothing is in the hand. upright(a), tipped(a): which face of a is nearest to
-    the ground.
+    - on(a, b): b carries a, and a is upright.
+    - lying(a, b): b carries a, and a is tipped over, onto a side or its head.
+    - in-hand(a): both fingers touch a, neither cuts into it, and nothing carries a.
+    - clear(a): nothing touches a from above, and a is not in the hand.
+    - hand-empty: nothing is in the hand.
+    - upright(a): the bottom face of a is the face nearest to the ground.
+    - tipped(a): another face of a is.
     """
 
     def __init__(self, world: World, config: PredicateConfig | None = None) -> None:
@@ -24,7 +28,7 @@ class SceneAbstraction:
         self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
 
     def __call__(self, c: Configuration) -> State:
-        """All atoms that hold in c."""
+        """Return all atoms that hold in c."""
         scene = Scene(self._world, c, self._config)
         atoms = [atom for a in self._boxes for atom in (*self._describe_box(scene, a), *self._describe_rest(scene, a))]
         held = any(atom.predicate == IN_HAND for atom in atoms)

@@ -1,4 +1,4 @@
-"""From a scene's specification to bodies in a Drake plant."""
+"""Bodies in a Drake plant, built from the specification of a scene."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -30,11 +30,11 @@ from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
 
 SKIN = 5e-5
-"""How much smaller boxes are in queries than they are, on every side [m]: faces that touch within 1e-7 m make the
-narrow phase fail or return directions at random, and resting boxes ought to be apart."""
+"""Amount by which boxes shrink on every side in queries [m]. Faces that touch within 1e-7 m make the narrow phase fail
+or return random directions, and resting boxes should count as separate."""
 
 FINEST_RIM = 0.0075
-"""Least distance between two contact points along the rim of a support [m]."""
+"""Smallest distance between two contact points along the rim of a support [m]."""
 _VISUAL = re.compile(r"<visual\b.*?</visual>", re.DOTALL)
 _COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
 
@@ -43,14 +43,14 @@ SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rac
 
 @dataclass(frozen=True)
 class SceneBodies:
-    """What a scene consists of in a plant.
+    """Bodies of a scene in a plant.
 
     Attributes:
-        arm: model instance of the Panda with its hand: 7 revolute joints, 2 prismatic ones.
-        hand: the body that a held object moves with.
-        fingers: left and right.
-        boxes: free bodies by name, sorted; their frame is O.
-        supports: bodies welded to W by name, sorted; their frame is T, in the centre of the top face.
+        arm: Model instance of the Panda with its hand: 7 revolute joints and 2 prismatic ones.
+        hand: Body that a held object moves with.
+        fingers: Left and right finger.
+        boxes: Free bodies by name, sorted. Their frame is O.
+        supports: Bodies welded to W by name, sorted. Their frame is T, in the center of the top face.
     """
 
     arm: ModelInstanceIndex
@@ -61,7 +61,7 @@ class SceneBodies:
 
 
 def add_arm(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) -> ModelInstanceIndex:
-    """Add the Panda with its hand where it stands in the scene to a plant that is not finalised."""
+    """Add the Panda with its hand to a plant that is not finalized, at its place in the scene."""
     parser = Parser(plant)
     arm = add_panda(parser, visible=visible)
     base = plant.GetBodyByName("panda_link0", arm)
@@ -70,12 +70,12 @@ def add_arm(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) ->
 
 
 def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) -> SceneBodies:
-    """Add arm, supports and boxes to a plant that is not finalised; default poses are those of the specification.
+    """Add arm, supports and boxes to a plant that is not finalized. Default poses are those of the specification.
 
     Args:
-        plant: of the scene.
-        spec: the scene.
-        visible: whether the bodies get the shapes that are drawn, in the place of those that collide.
+        plant: Plant of the scene.
+        spec: Specification of the scene.
+        visible: Whether the bodies get the shapes that are drawn instead of the shapes that collide.
     """
     arm = add_arm(plant, spec, visible=visible)
     parser = Parser(plant)
@@ -92,7 +92,7 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) 
 
 
 def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
-    """Add the arm with its hand, not welded to anything; with the shapes that are drawn or with those that collide."""
+    """Add the arm with its hand, not welded to anything, with either the visible or the collision shapes."""
     add_package(parser)
     (arm,) = parser.AddModelsFromString(_panda_sdf(visible), "sdf")
     return arm
@@ -100,7 +100,7 @@ def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
 
 @cache
 def _panda_sdf(visible: bool) -> str:
-    """Drake takes 0.03 s longer to parse a file than to parse its text."""
+    """Return the model as text: Drake parses a file 0.03 s slower than its text."""
     text = (PACKAGE_FILE.parent / "sdf" / "panda.sdf").read_text(encoding="utf-8")
     return _keep_shapes(text, visible)
 
@@ -111,11 +111,11 @@ def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, visible: bool) ->
 
 
 def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
-    """Add contact points along the rims of the supports, which carry what overhangs.
+    """Add contact points along the rims of the supports. They carry boxes that overhang.
 
-    They are half as far apart as the shortest side of a box is long, so there is one beneath a box on either side of
-    its centre wherever it overhangs. They belong to the world, since Drake updates the poses of all others at every
-    step. With them no joint may be locked: Drake 1.51 reads out of bounds when the world is touched then.
+    Their spacing is half the shortest side of any box, so wherever a box overhangs, one point lies beneath it on each
+    side of its center. They belong to the world body, because Drake updates the poses of all other geometries at every
+    step. With rims no joint may be locked: Drake 1.51 then reads out of bounds when something touches the world.
     """
     spacing = max(FINEST_RIM, min(min(box.size) for box in spec.boxes.values()) / 2)
     surface = ProximityProperties()
@@ -131,19 +131,19 @@ def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
 
 
 def _keep_shapes(sdf: str, visible: bool) -> str:
-    """The model without the shapes of the other kind, which take a third of the time to parse it."""
+    """Return the model without the shapes of the other kind, which take a third of the parsing time."""
     return (_COLLISION if visible else _VISUAL).sub("", sdf)
 
 
 def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
-    """Leave only the shapes themselves: the small spheres serve the physics of contact, not kinematics."""
+    """Remove the small contact spheres and keep the shapes: the spheres serve contact physics, not kinematics."""
     source = plant.get_source_id()
     for geometry in _contact_points(scene_graph):
         scene_graph.RemoveRole(source, geometry, Role.kProximity)
 
 
 def shrink_boxes(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
-    """Make the boxes smaller by `SKIN`."""
+    """Shrink the boxes by `SKIN` on every side."""
     inspector = scene_graph.model_inspector()
     for body in bodies.boxes.values():
         for geometry in plant.GetCollisionGeometriesForBody(body):
@@ -155,9 +155,10 @@ def shrink_boxes(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBo
 def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
     """Let flat faces touch at contact points only.
 
-    Point contact between two faces is one single point that jumps about; several spheres a face carry it firmly. So
-    sphere against sphere, and box against box, top or pad are filtered; sphere against shape remains. Spheres of rims
-    are left out, since filters are slow to set up: they seldom meet another sphere, and then touch the solid in it.
+    Point contact between two faces is a single point that jumps about, whereas several spheres per face carry firmly.
+    Therefore sphere against sphere is filtered, and so is box against box, top or pad. Sphere against shape remains.
+    Rim spheres are not filtered, because filters are slow to set up. A rim sphere rarely meets another sphere, and then
+    touches the solid around it.
     """
     points = _contact_points(scene_graph)
     boxes = [*bodies.boxes.values(), *bodies.supports.values(), *bodies.fingers]
@@ -185,7 +186,7 @@ def _own_name(scoped_name: str) -> str:
 
 
 def build_kinematic(spec: SceneSpec) -> tuple[RobotDiagram, SceneBodies]:
-    """A diagram of the scene for kinematics and collision queries: shapes without contact points, no physics."""
+    """Build a diagram of the scene for kinematics and collision queries: no contact points and no physics."""
     builder = RobotDiagramBuilder(time_step=0.0)
     bodies = add_scene(builder.plant(), spec)
     builder.plant().Finalize()

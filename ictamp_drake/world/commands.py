@@ -1,4 +1,4 @@
-"""Motions as trajectories of Drake: what the controller of arm and hand is told over time."""
+"""Motions as Drake trajectories: the commands to the controllers of arm and hand over time."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -17,33 +17,33 @@ from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
 from ictamp_drake.models.constants import MAX_FINGER_SPEED
 
 FORCE_RAMP = 0.05
-"""Time in which the grip force is built up or released [s]."""
+"""Time to build up or release the grip force [s]."""
 _INSTANT = 1e-9
-"""Times that differ by less are the same but for rounding [s]."""
+"""Time difference below which two times are equal up to rounding [s]."""
 
 
 def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
-    """How long the hand needs from one command's goal to the next one's [s]."""
+    """Time the hand needs from the goal of one command to the goal of the next [s]."""
     return abs(after.width - before.width) / 2 / MAX_FINGER_SPEED + FORCE_RAMP * (after.force != before.force)
 
 
 def stand_still(
     label: str, duration: float, q: FloatArray, gripper: GripperCommand, touches: frozenset[str] | None
 ) -> Segment:
-    """The arm stands still at q, shape (7,) [rad], for a duration [s] while the gripper obeys a command."""
+    """Return a segment in which the arm rests at q, shape (7,) [rad], for `duration` [s] while the gripper moves."""
     return Segment(label, duration, gripper, 1, np.array([0.0, duration]), q[None], touches)
 
 
 def desired_positions(
     q_arm: FloatArray, gripper: GripperCommand, segments: Sequence[Segment], end: float
 ) -> Trajectory:
-    """Positions of the 7 arm joints [rad] and 2 fingers [m] from 0 to `end` [s], standing still after the last segment.
+    """Positions of the 7 arm joints [rad] and 2 fingers [m] from 0 to `end` [s]. The arm rests after the last segment.
 
     Args:
-        q_arm: arm joint positions in force before, shape (7,) [rad].
-        gripper: command in force before.
-        segments: what follows, may be empty.
-        end: later than the end of the last segment, and than the hand has obeyed.
+        q_arm: Commanded arm joint positions before the motion, shape (7,) [rad].
+        gripper: Gripper command in force before the motion.
+        segments: Segments of the motion, possibly none.
+        end: End of the trajectory [s], later than both the last segment and `obedience_time`.
     """
     arm, start = _arm_pieces(segments)
     if segments:
@@ -57,7 +57,7 @@ def desired_positions(
 
 
 def feedforward(gripper: GripperCommand, segments: Sequence[Segment], end: float) -> Trajectory:
-    """Efforts added to those of the position controller, shape (9, 1): only the fingers' grip force [N]."""
+    """Efforts added to those of the position controllers, shape (9, 1): only the grip force of the fingers [N]."""
     times, _, forces = _gripper_knots(gripper, segments, end)
     return PiecewisePolynomial.FirstOrderHold(times, np.vstack([np.zeros((7, len(times))), -forces, -forces]))
 
@@ -74,7 +74,7 @@ def arm_trajectory(segments: Sequence[Segment]) -> Trajectory:
 
 
 def _arm_pieces(segments: Sequence[Segment]) -> tuple[list[Trajectory], float]:
-    """Pieces of the arm's trajectory, each right after the one before, and when the last one ends [s]."""
+    """Return consecutive pieces of the arm's trajectory and the end time of the last one [s]."""
     pieces: list[Trajectory] = []
     start = 0.0
     for segment in segments:
@@ -89,17 +89,17 @@ def _arm_piece(segment: Segment, start: float) -> Trajectory:
         q = segment.control_points[0]
         return PiecewisePolynomial.ZeroOrderHold([start, end], np.column_stack([q, q]))
     knots = segment.knots + start
-    knots[-segment.order :] = end  # exactly where the next piece starts, whatever was rounded
+    knots[-segment.order :] = end  # exactly where the next piece starts, despite rounding
     return BsplineTrajectory(BsplineBasis(segment.order, knots), segment.control_points.T)
 
 
 def obedience_time(gripper: GripperCommand, segments: Sequence[Segment]) -> float:
-    """When the hand has obeyed the last command of a motion [s]; may be after the motion's end."""
+    """Time at which the hand has obeyed the last command of a motion [s], possibly after the motion's end."""
     return max((change.arrival for change in _changes(gripper, segments)), default=0.0)
 
 
 class _Change(NamedTuple):
-    """The hand goes from one command's goal to the next one's, from `start` to `arrival` [s]."""
+    """Movement of the hand from the goal of one command to the goal of the next, from `start` to `arrival` [s]."""
 
     start: float
     arrival: float
@@ -108,7 +108,7 @@ class _Change(NamedTuple):
 
 
 def _changes(gripper: GripperCommand, segments: Sequence[Segment]) -> Iterator[_Change]:
-    """What the hand does: a command is in force from its segment's start, or as soon as the one before is obeyed."""
+    """Yield the movements of the hand. A command starts with its segment, or once the one before is obeyed."""
     start = arrival = 0.0
     for segment in segments:
         if segment.gripper != gripper:
@@ -122,9 +122,9 @@ def _changes(gripper: GripperCommand, segments: Sequence[Segment]) -> Iterator[_
 def _gripper_knots(
     gripper: GripperCommand, segments: Sequence[Segment], end: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Times, widths and forces between which the hand's commands are interpolated.
+    """Times, widths and forces between which the commands of the hand are interpolated.
 
-    The hand grips when its fingers have arrived, and lets go before they move.
+    The hand grips after its fingers have arrived, and lets go before they move.
     """
     knots = {0.0: (gripper.width, gripper.force)}
     for start, arrival, before, after in _changes(gripper, segments):

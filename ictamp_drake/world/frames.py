@@ -1,4 +1,4 @@
-"""Frames that skills and predicates speak of: U, a box as it lies, and T, the top face of what things are put on."""
+"""Frames of skills and predicates: U, a box as it lies, and T, the top face of a receptacle."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -13,12 +13,12 @@ from ictamp_drake.world.poses import to_transform
 
 @dataclass(frozen=True, eq=False)
 class Upright:
-    """A box as it lies.
+    """Frame and size of a box as it lies.
 
     Attributes:
-        X_WU: frame at the box's centre whose z axis is the box axis nearest to W's z, pointing up.
-        size: sides along U's axes, shape (3,) [m].
-        is_upright: whether the box stands on the face it was specified with, and not on another one.
+        X_WU: Pose of U in W. U's origin is the box's center, and its z is the box axis nearest to W's z, pointing up.
+        size: Side lengths along U's axes, shape (3,) [m].
+        is_upright: Whether the box stands on the face that its specification puts at the bottom.
     """
 
     X_WU: RigidTransform
@@ -27,22 +27,22 @@ class Upright:
 
     @cached_property
     def X_WT(self) -> RigidTransform:
-        """Frame in the centre of the top face, parallel to U."""
+        """Frame in the center of the top face, parallel to U."""
         return self.X_WU @ RigidTransform([0.0, 0.0, self.size[2] / 2])
 
 
 def upright_frame(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> Upright:
-    """The box as it lies, from X_WO, shape (7,), and its sides along O's axes [m].
+    """Return the box as it lies, from X_WO, shape (7,), and its side lengths along O's axes [m].
 
-    U = O for a box that stands upright; otherwise U's x is the O axis that follows U's z cyclically. The same as
-    `matrices.upright_frames`, which does it for many boxes at once, in Drake's types.
+    U = O for a box that stands upright. Otherwise U's x is the axis of O that follows U's z cyclically. This is
+    `matrices.upright_frames` for one box, in Drake's types.
     """
     return _upright_frame(pose.tobytes(), tuple(size))
 
 
 @lru_cache(maxsize=256)
 def _upright_frame(pose: bytes, size: tuple[float, ...]) -> Upright:
-    """Many questions about the same few boxes come one after the other."""
+    """Compute `upright_frame` with a cache, since callers ask about the same few boxes again and again."""
     X_WO = to_transform(np.frombuffer(pose)).GetAsMatrix4()
     X_WU, sides, stands = upright_frames(X_WO[None], np.array([size]))
     sides.setflags(write=False)

@@ -1,4 +1,4 @@
-"""What physics must notice in the states that it passes: contact with what sleeps, and boxes that overhang a rim."""
+"""Events that physics must notice along the way: contact with sleeping boxes, and boxes that overhang a rim."""
 
 from collections.abc import Collection
 from itertools import product
@@ -12,13 +12,13 @@ from ictamp_drake.models.contact import CONTACT_RADIUS
 from ictamp_drake.world.world import Touch, World
 
 _POINTS = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
-"""Corners, middles of edges and of faces of a box, as multiples of its half sides."""
+"""Corners and centers of the edges and faces of a box, as multiples of its half sides."""
 _LEVEL = 0.003
-"""Points this near to the height of a top face are at its height [m]."""
+"""Largest height difference at which a point counts as level with a top face [m]."""
 
 
 class Lookout:
-    """Looks at a scene in contexts of its own, so that nobody else's are touched."""
+    """Watches a scene in its own contexts and leaves those of others untouched."""
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -36,15 +36,15 @@ class Lookout:
         self._tops = [(world.X_WT(c, name).inverse(), world.top_size(c, name) / 2) for name in world.spec.supports]
 
     def touches(self, q: FloatArray, tolerance: float) -> list[Touch]:
-        """Whatever is at most `tolerance` [m] apart where the positions of everything, in the plant's order, are q."""
+        """Return all pairs at most `tolerance` [m] apart at the positions q, in the order of the plant."""
         return self._world.touches_in(self._evaluate_at(q, self._all), tolerance)
 
     def list_passing(self, q: FloatArray) -> list[Touch]:
-        """What touches in the positions q, but for boxes that touch supports."""
+        """Return all contacts at the positions q, except those of boxes with supports."""
         return self._world.touches_in(self._evaluate_at(q, self._passing), 0.0)
 
     def overhang(self, q: FloatArray, boxes: Collection[str]) -> bool:
-        """Whether one of these boxes stands on a support and reaches beyond its rim in the positions q."""
+        """Whether one of these boxes stands on a support and reaches beyond its rim at the positions q."""
         context = self._evaluate_at(q, self._passing)
         plant, bodies = self._world.plant, self._world.bodies.boxes
         plant_context = plant.GetMyContextFromRoot(context)

@@ -1,7 +1,7 @@
-"""Many poses at once, as homogeneous matrices without Drake: boxes as they lie, and what k means.
+"""Batched poses as homogeneous matrices, without Drake: frames of boxes, and the meaning of k.
 
-The meaning of k is stated here: `grasps` and `level`. What `skills.geometry` gives in Drake's types is made of these;
-`learning.parameters` and `learning.dynamics` have it in torch, and tests hold them to it.
+`grasps` and `level` state what k means. `skills.geometry` builds the same in Drake's types on them.
+`learning.parameters` and `learning.dynamics` have it in torch, and tests compare them.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from ictamp_drake.core.types import FloatArray
 
 
 def to_matrices(poses: FloatArray) -> FloatArray:
-    """Homogeneous matrices, shape (..., 4, 4), of pose arrays, shape (..., 7)."""
+    """Convert pose arrays, shape (..., 7), to homogeneous matrices, shape (..., 4, 4)."""
     w, x, y, z = np.moveaxis(poses[..., :4] / np.linalg.norm(poses[..., :4], axis=-1, keepdims=True), -1, 0)
     X = np.zeros((*poses.shape[:-1], 4, 4))
     X[..., 0, 0], X[..., 1, 1], X[..., 2, 2] = 1 - 2 * (y * y + z * z), 1 - 2 * (x * x + z * z), 1 - 2 * (x * x + y * y)
@@ -23,7 +23,7 @@ def to_matrices(poses: FloatArray) -> FloatArray:
 
 
 def inverse(X: FloatArray) -> FloatArray:
-    """Of homogeneous matrices, shape (n, 4, 4)."""
+    """Inverses of homogeneous matrices, shape (n, 4, 4)."""
     X_inverse = np.zeros_like(X)
     X_inverse[:, :3, :3] = X[:, :3, :3].transpose(0, 2, 1)
     X_inverse[:, :3, 3] = -np.einsum("nji,nj->ni", X[:, :3, :3], X[:, :3, 3])
@@ -45,18 +45,19 @@ def level(parameter: FloatArray) -> FloatArray:
 
 
 def grasps(k: FloatArray) -> FloatArray:
-    """X_UG of grasps from above, shape (n, 4) [m, rad] -> (n, 4, 4): G's z points down, its x along yaw."""
+    """X_UG of grasps from above, shape (n, 4) [m, rad] -> (n, 4, 4). G's z points down, and its x along yaw."""
     return level(k) * [1.0, -1.0, -1.0, 1.0]
 
 
 def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """X_WU, the sides along U's axes, and which boxes stand upright.
+    """Compute X_WU, side lengths along U's axes, and whether each box is upright.
 
-    U is in the box's centre, its z is the axis of O nearest to W's z, pointing up, and its x the axis of O after that.
+    U's origin is the box's center, its z is the axis of O nearest to W's z, pointing up, and its x is the axis of O
+    that follows.
 
     Args:
-        X_WO: shape (..., m, 4, 4).
-        sizes: of the m boxes, shape (m, 3) [m].
+        X_WO: Poses of the m boxes in n states, shape (n, m, 4, 4), or in one, shape (m, 4, 4).
+        sizes: Side lengths of the m boxes along O's axes, shape (m, 3) [m].
     """
     axis = np.argmax(np.abs(X_WO[..., 2, :3]), axis=-1)
     sign = np.where(np.take_along_axis(X_WO[..., 2, :3], axis[..., None], axis=-1) > 0, 1.0, -1.0)
@@ -72,5 +73,5 @@ def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, Flo
 
 
 def flat(X: FloatArray) -> FloatArray:
-    """Position and first two columns of rotation, shape (..., 4, 4) -> (..., 9)."""
+    """Position and first two columns of the rotation, shape (..., 4, 4) -> (..., 9)."""
     return np.concatenate([X[..., :3, 3], X[..., :3, 0], X[..., :3, 1]], axis=-1)

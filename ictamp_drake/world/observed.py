@@ -1,4 +1,4 @@
-"""A scene as it was observed: joints from the arm, what is held, poses as a camera saw them."""
+"""A scene as it was observed: joints of the arm, the held box, and poses from a camera."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,21 +15,21 @@ from ictamp_drake.world.frames import upright_frame
 from ictamp_drake.world.poses import to_pose, to_transform
 
 MAX_GAP = 0.01
-"""Greatest distance of an observed box from what it stands on, above or below its top [m]."""
+"""Largest distance of an observed box above or below the top of what it stands on [m]."""
 MAX_TILT = 0.1
-"""Greatest tilt of an observed box that stands on something [rad]."""
+"""Largest tilt of an observed box that stands on something [rad]."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """What was observed before planning; what is left out is as the scene says.
+    """Observations before planning. Anything left out is as the scene says.
 
     Attributes:
         joints: Positions of the arm's joints, base first [rad], shape (7,).
         held: Name of the box between the fingers; empty for none.
         poses: X_WO of boxes by name, each a pose array of shape (7,), unit quaternion (w, x, y, z) then position [m],
-            or a `RigidTransform`. A box that is up to 1 cm above or in what it stands on, or tilted by up to 0.1 rad,
-            is set down on it.
+            or a `RigidTransform`. A box is set down on what it stands on if it is at most 1 cm above or inside it and
+            tilted by at most 0.1 rad.
     """
 
     joints: FloatArray | None = None
@@ -38,10 +38,10 @@ class Start:
 
 
 def observed_scene(spec: SceneSpec, start: Start) -> SceneSpec:
-    """The scene with arm, hand and boxes as they were observed.
+    """Return the scene with arm, hand and boxes as they were observed.
 
     Raises:
-        IctampError: A box does not exist, or a pose is not one.
+        IctampError: A box does not exist, or a pose is malformed.
     """
     for name in start.poses:
         check_choice("start.poses", name, spec.boxes)
@@ -75,7 +75,10 @@ def _at(box: BoxSpec, X_WO: RigidTransform) -> BoxSpec:
 
 
 def _set_down(spec: SceneSpec, name: str) -> BoxSpec:
-    """The box upright on the top face beneath its centre that is nearest to its lower face, if one is near."""
+    """Set the box down level on the top face nearest to its lower face, among those beneath its center.
+
+    Without such a face within `MAX_GAP`, or with a tilt above `MAX_TILT`, the box stays as it was observed.
+    """
     box = spec.boxes[name]
     lying = upright_frame(box.X_WO, box.size)
     R_WU = lying.X_WU.rotation()
@@ -94,7 +97,7 @@ def _set_down(spec: SceneSpec, name: str) -> BoxSpec:
 
 
 def _tops(spec: SceneSpec, name: str, p_W: FloatArray) -> list[float]:
-    """Heights of the top faces above or below a point [m], shape (3,), without that of the box itself."""
+    """Heights of the top faces above or below a point, shape (3,) [m], without the top of the box itself."""
     tops = [(to_transform(support.X_WT), np.array(support.size[:2])) for support in spec.supports.values()]
     for other, box in spec.boxes.items():
         if other != name:

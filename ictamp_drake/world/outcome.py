@@ -1,4 +1,4 @@
-"""What a simulation leaves: where it ended, what was executed, and the states on the way."""
+"""Results of a simulation: the final configuration, the executed motion, and the states on the way."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,15 +10,15 @@ from ictamp_drake.core.types import Configuration, FloatArray, Motion, Recording
 
 @dataclass(frozen=True)
 class Outcome:
-    """Where a simulation ended.
+    """Result of a simulation.
 
     Attributes:
-        c: the last configuration.
-        settled: whether everything came to rest in time.
-        stopped_after: label of the segment after which the watcher ended it, None when it ran to the end.
-        motion: what was executed. Unless the watcher ended it, the arm stands still at its end until the hand has
-            obeyed, all is at rest and a whole number of time steps is over.
-        recording: states on the way, none but the first when they were not to be kept; None when nothing was simulated.
+        c: Final configuration.
+        settled: Whether everything came to rest in time.
+        stopped_after: Label of the segment after which the watcher ended the simulation. None when it ran to the end.
+        motion: Executed motion. Unless the watcher ended it, the arm stands still at the end until the hand has obeyed,
+            all boxes are at rest, and a whole number of time steps is over.
+        recording: States on the way; only the first one without recording. None when nothing was simulated.
     """
 
     c: Configuration
@@ -29,14 +29,14 @@ class Outcome:
 
 
 class Frame(NamedTuple):
-    """A moment of a recorded simulation: time from its start [s] and what is there."""
+    """Moment of a recorded simulation: time since its start [s] and configuration."""
 
     time: float
     c: Configuration
 
 
 class Tape:
-    """States on the way of an execution."""
+    """Recorder of the states during an execution."""
 
     def __init__(self, time_step: float, record: bool) -> None:
         self._time_step = time_step
@@ -45,12 +45,12 @@ class Tape:
         self._states: list[FloatArray] = []
 
     def add(self, step: int, x: FloatArray) -> None:
-        """Keep the state at a step if states are to be kept; the first always is."""
+        """Keep the state at a step if recording is on. The first state is always kept."""
         if self._record or not self._states:
             self._times.append(step * self._time_step)
             self._states.append(x)
 
     @property
     def recording(self) -> Recording:
-        """What was kept."""
+        """Recorded times and states."""
         return Recording(np.array(self._times), np.array(self._states))

@@ -1,4 +1,4 @@
-"""Discrete plants of the arm, alone or in its scene, with the controllers that follow a motion."""
+"""Discrete plants of the arm, alone or in its scene, with controllers that follow a motion."""
 
 from collections.abc import Callable
 
@@ -25,13 +25,13 @@ IntArray = NDArray[np.intp]
 
 
 class SimulatedPlant:
-    """A plant in steps: its time is a whole number of them, from the start of a motion.
+    """A plant simulated in steps. Its time is a whole number of steps since the start of a motion.
 
     Attributes:
-        plant: with the arm.
-        arm: its model instance, 7 joints and 2 fingers.
-        context: of the plant.
-        simulator: of the diagram.
+        plant: Plant that contains the arm.
+        arm: Model instance of the arm, with 7 joints and 2 fingers.
+        context: Context of the plant.
+        simulator: Simulator of the whole diagram.
     """
 
     def __init__(
@@ -44,11 +44,11 @@ class SimulatedPlant:
         """Build the plant.
 
         Args:
-            config: time step and contact.
-            add: puts the models into the plant and returns the arm.
-            gains: stiffness and damping of the controllers, of 7 joints [Nm/rad, Nm s/rad] and 2 fingers [N/m, N s/m],
-                each of shape (9,).
-            touch: settles which shapes of the finished plant touch which; None leaves all shapes out.
+            config: Time step and contact model of the plant.
+            add: Function that adds the models to the plant and returns the arm.
+            gains: Stiffness and damping of the controllers, for 7 joints [Nm/rad, Nm s/rad] and 2 fingers
+                [N/m, N s/m], each of shape (9,).
+            touch: Function that decides which shapes of the finished plant can touch. None leaves out all shapes.
         """
         builder = DiagramBuilder()
         if touch is None:
@@ -78,7 +78,7 @@ class SimulatedPlant:
         self._efforts.UpdateTrajectory(efforts)
 
     def start(self, step: int) -> None:
-        """Set the time; the plant's state stays."""
+        """Set the time and keep the state of the plant."""
         self.simulator.get_mutable_context().SetTime(step * self._time_step)
         self.simulator.Initialize()
 
@@ -86,13 +86,13 @@ class SimulatedPlant:
         """Simulate up to a step.
 
         Raises:
-            RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
+            RuntimeError: The contact solver diverges, which happens in a few jammed situations.
         """
         self.simulator.AdvanceTo(step * self._time_step)
 
     @property
     def x(self) -> FloatArray:
-        """A copy of the complete state, positions and velocities, shape (n,)."""
+        """Copy of the complete state, positions then velocities, shape (n,)."""
         copy: FloatArray = self.context.get_discrete_state_vector().CopyToVector()
         return copy
 
@@ -101,21 +101,21 @@ class SimulatedPlant:
         self.context.SetDiscreteState(value)
 
     def positions(self, instance: ModelInstanceIndex) -> IntArray:
-        """Where a model's positions are in `x`."""
+        """Indices of a model's positions in `x`."""
         numbers = np.arange(self.plant.num_positions(), dtype=float)
         return self.plant.GetPositionsFromArray(instance, numbers).astype(np.intp)
 
     def velocities(self, instance: ModelInstanceIndex) -> IntArray:
-        """Where a model's velocities are in `x`."""
+        """Indices of a model's velocities in `x`."""
         numbers = np.arange(self.plant.num_velocities(), dtype=float)
         return self.plant.num_positions() + self.plant.GetVelocitiesFromArray(instance, numbers).astype(np.intp)
 
 
 class SimulatedScene(SimulatedPlant):
-    """The arm and everything around it.
+    """A plant of the arm and everything around it.
 
     Attributes:
-        bodies: what the scene consists of.
+        bodies: Bodies of the scene.
     """
 
     bodies: SceneBodies
@@ -123,7 +123,7 @@ class SimulatedScene(SimulatedPlant):
     def __init__(
         self, spec: SceneSpec, config: MultibodyPlantConfig, gains: tuple[FloatArray, FloatArray], *, rims: bool
     ) -> None:
-        """Build the plant; with `rims` the supports carry what overhangs them, and no joint may be locked."""
+        """Build the plant. With `rims`, supports also carry boxes that overhang, and no joint may be locked."""
 
         def add(plant: MultibodyPlant) -> ModelInstanceIndex:
             self.bodies = add_scene(plant, spec)
@@ -136,7 +136,7 @@ class SimulatedScene(SimulatedPlant):
         self._fingers = [body.index() for body in self.bodies.fingers]
 
     def find_gripped(self, force: float) -> str | None:
-        """The box that each finger presses with a force [N] at least, if any, as of the last step."""
+        """Return the box that each finger pressed with at least `force` [N] in the last step, if any."""
         results = self.plant.get_contact_results_output_port().Eval(self.context)
         forces: dict[str, list[float]] = {name: [0.0, 0.0] for name in self.bodies.boxes}
         for i in range(results.num_point_pair_contacts()):

@@ -1,4 +1,4 @@
-"""Core's pose arrays (quaternion w, x, y, z, then position) to and from Drake's transforms."""
+"""Conversion between pose arrays of core (quaternion w, x, y, z, then position) and Drake's transforms."""
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
@@ -8,15 +8,15 @@ from ictamp_drake.core.types import FloatArray
 
 
 def to_transform(pose: FloatArray) -> RigidTransform:
-    """Drake's transform of a pose array, shape (7,)."""
+    """Convert a pose array, shape (7,), to Drake's transform."""
     return RigidTransform(Quaternion(pose[:4] / np.linalg.norm(pose[:4])), pose[4:])
 
 
 def to_pose(X: RigidTransform) -> FloatArray:
-    """Pose array of Drake's transform, shape (7,)."""
+    """Convert Drake's transform to a pose array, shape (7,)."""
     return np.concatenate([X.rotation().ToQuaternion().wxyz(), X.translation()])
 
 
 def normalize_quaternion(pose: FloatArray) -> FloatArray:
-    """The same pose with a quaternion of length one, which integration does not keep."""
+    """Return the same pose with a unit quaternion. Integration does not preserve the length."""
     return np.concatenate([pose[:4] / np.linalg.norm(pose[:4]), pose[4:]])

@@ -1,30 +1,10 @@
-"""Predicates computed from poses and contacts: when a is carried by b, and when the hand holds a."""
-
-from dataclasses import dataclass
+"""Predicates computed from poses and contacts: whether b carries a, and whether the hand grips a."""
 
 import numpy as np
 
-from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.types import Configuration
+from ictamp_drake.world.config import PredicateConfig
 from ictamp_drake.world.world import FINGERS, Touch, World
-
-
-@dataclass(frozen=True)
-class PredicateConfig:
-    """Tolerances of the predicates.
-
-    Attributes:
-        contact: surfaces nearer than this touch [m]; a finger that is deeper in a box does not grip it.
-        tilt: largest angle between an upright box's axis and the vertical [rad].
-        slope: largest angle between a carrying contact's normal and the vertical [rad].
-    """
-
-    contact: float = 0.0015
-    tilt: float = 0.15
-    slope: float = 0.3
-
-    def __post_init__(self) -> None:
-        check_fields(self, "predicates", contact=(1e-4, 0.02), tilt=(1e-3, 1), slope=(1e-3, 1.5))
 
 
 class Scene:

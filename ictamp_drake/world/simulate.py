@@ -1,20 +1,18 @@
-"""f, the transition: what physics makes of a configuration and a motion."""
+"""The transition f: physics executes a motion from a configuration."""
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
-from typing import Literal
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlantConfig
 
-from ictamp_drake.core.checks import check_fields, check_vector
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obedience_time, stand_still
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.lookout import Lookout
 from ictamp_drake.world.outcome import Frame, Outcome, Tape
 from ictamp_drake.world.plant import SimulatedPlant, SimulatedScene
@@ -23,97 +21,33 @@ from ictamp_drake.world.sleep import NEAR, Sleepers
 from ictamp_drake.world.world import World
 
 
-@dataclass(frozen=True)
-class PhysicsConfig:
-    """How the scene is simulated.
-
-    Attributes:
-        time_step: Time step of the discrete plant [s].
-        contact_approximation: Approximation of contact that Drake's discrete solver uses.
-        arm_stiffness: Stiffness of the controller of each joint [Nm/rad]; a stiffer arm follows the motion closer.
-        arm_damping: Damping of the controller of each joint [Nm s/rad].
-        finger_stiffness: Stiffness of the controller of each finger [N/m].
-        finger_damping: Damping of the controller of each finger [N s/m].
-        rest_speed: Greatest speed of a box at rest [m/s].
-        rest_turn: Greatest angular speed of a box at rest [rad/s].
-        settle_time: Longest wait for rest after a motion [s].
-        settle_check: Time between two looks at the speeds [s].
-        min_pad_force: Least force of each finger on an object that counts as held, normal and friction together [N].
-        record_period: Time between two recorded states, and between two looks for contact with sleeping boxes [s].
-        sleep: Simulate boxes at rest only where the arm may touch them or what they rest or lean on. Otherwise the
-            whole scene is simulated all the time.
-    """
-
-    time_step: float = 0.004
-    contact_approximation: Literal["lagged", "sap", "similar", "tamsi"] = "sap"
-    arm_stiffness: tuple[float, ...] = (6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 2000.0)
-    arm_damping: tuple[float, ...] = (300.0, 300.0, 250.0, 250.0, 100.0, 100.0, 50.0)
-    finger_stiffness: float = 2000.0
-    finger_damping: float = 50.0
-    rest_speed: float = 2e-3
-    rest_turn: float = 2e-2
-    settle_time: float = 2.0
-    settle_check: float = 0.05
-    min_pad_force: float = 1.0
-    record_period: float = 1 / 30
-    sleep: bool = True
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            "physics",
-            time_step=(1e-5, 0.1),
-            finger_stiffness=(1e-3, 1e9),
-            finger_damping=(0, 1e9),
-            rest_speed=(1e-6, 10),
-            rest_turn=(1e-6, 100),
-            settle_time=(1e-3, 1e3),
-            settle_check=(1e-3, 10),
-            min_pad_force=(1e-3, 1e3),
-            record_period=(1e-3, 1e3),
-        )
-        check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=7)
-        check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=7)
-
-    def create(self, world: World) -> "Physics":
-        """A simulator of the scene."""
-        return Physics(world, self)
-
-    def contact(self) -> MultibodyPlantConfig:
-        """The plant's time step and its model of contact."""
-        return MultibodyPlantConfig(
-            time_step=self.time_step,
-            contact_model="point",
-            discrete_contact_approximation=self.contact_approximation,
-            sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
-        )
-
-    def gains(self) -> tuple[FloatArray, FloatArray]:
-        """Stiffness and damping of the controllers of 7 joints and 2 fingers, each of shape (9,)."""
-        stiffness = np.array([*self.arm_stiffness, *2 * [self.finger_stiffness]])
-        return stiffness, np.array([*self.arm_damping, *2 * [self.finger_damping]])
-
-    def steps(self, seconds: float) -> int:
-        """Number of time steps that last at least so long; what sums of durations are rounded by adds none."""
-        return math.ceil(seconds / self.time_step - 1e-6)
+def contact_model(config: PhysicsConfig) -> MultibodyPlantConfig:
+    """The plant's time step and its model of contact."""
+    return MultibodyPlantConfig(
+        time_step=config.time_step,
+        contact_model="point",
+        discrete_contact_approximation=config.contact_approximation,
+        sap_near_rigid_threshold=0.0,  # else surfaces get softer with the square of the time step
+    )
 
 
 Watcher = Callable[[Segment, "Physics"], bool]
-"""Called after each segment; False ends the simulation there."""
+"""Callback after each segment. Returning False ends the simulation there."""
 
 
 class Physics:
-    """A simulator of a scene: deterministic, restartable from any configuration.
+    """Deterministic simulator of a scene that can start from any configuration.
 
-    A configuration that it returns is its complete state. So motions that run one after the other, each from where the
-    one before ended, are one execution, bit for bit, in whatever simulators and processes they run.
+    Every configuration it returns is the complete state. Motions that run one after the other, each from the final
+    configuration of the one before, are therefore one execution, bit for bit, whatever simulators and processes run
+    them.
     """
 
     def __init__(self, world: World, config: PhysicsConfig) -> None:
         self.config = config
         self._world = world
         self._scene = self._plain = self._build(rims=False)
-        contact = config.contact()
+        contact = contact_model(config)
         contact.use_sampled_output_ports = False  # no forces of contact to keep
         self._arm = SimulatedPlant(contact, partial(add_arm, spec=world.spec), config.gains(), None)
         self._sleepers = Sleepers(self._plain)
@@ -127,33 +61,33 @@ class Physics:
         self._looked = (self._scene.x, self._scene.x)
 
     def _build(self, *, rims: bool) -> SimulatedScene:
-        return SimulatedScene(self._world.spec, self.config.contact(), self.config.gains(), rims=rims)
+        return SimulatedScene(self._world.spec, contact_model(self.config), self.config.gains(), rims=rims)
 
     @cached_property
     def _rimmed(self) -> SimulatedScene:
-        """The scene with contact points along the rims of supports, for boxes that overhang them."""
+        """Scene with contact points along the rims of supports, for boxes that overhang."""
         return self._build(rims=True)
 
     def run(
         self, c: Configuration, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True
     ) -> Outcome:
-        """Execute a motion from c and wait until all is at rest.
+        """Execute a motion from c and wait until all boxes are at rest.
 
         Args:
-            c: where to start.
-            motion: segments one after the other; empty just lets the scene settle.
-            watch: may end the simulation early.
-            record: whether to keep states on the way.
+            c: Initial configuration.
+            motion: Segments to execute in order. Without segments the scene just settles.
+            watch: Callback after each segment that may end the simulation early.
+            record: Whether to record the states on the way.
 
         Raises:
-            RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
-            ValueError: when c was put together from parts that do not belong together.
+            RuntimeError: The contact solver diverges, which happens in a few jammed situations.
+            ValueError: The parts of c contradict each other.
         """
         self._load(c)
         return self.proceed(motion, watch=watch, record=record)
 
     def proceed(self, motion: Sequence[Segment], *, watch: Watcher | None = None, record: bool = True) -> Outcome:
-        """Execute a motion from where the last one ended; see `run`."""
+        """Execute a motion from the end of the last one. See `run`."""
         before = self.configuration()
         sleep, rims = self.config.sleep, self._lookout.overhang(self._positions(), self._boxes)
         while True:
@@ -166,7 +100,7 @@ class Physics:
                 sleep = False
             except _OverhangError:
                 rims = True
-            except RuntimeError:  # the contact solver diverged, and might not have with all awake
+            except RuntimeError:  # the contact solver diverged; with all boxes awake it may converge
                 if not sleep:
                     raise
                 sleep = False
@@ -189,8 +123,8 @@ class Physics:
         """Execute a motion and wait for rest.
 
         Raises:
-            _SleeperTouchedError: something that slept was touched.
-            _OverhangError: a box overhangs, and the scene has no rims.
+            _SleeperTouchedError: A sleeping box was touched.
+            _OverhangError: A box overhangs, and the scene has no rims.
         """
         config = self.config
         period = max(1, round(config.record_period / config.time_step))
@@ -218,7 +152,7 @@ class Physics:
         return Outcome(self.configuration(), not self._find_moving(), None, (*motion, *rest), tape.recording)
 
     def _tell(self, motion: Sequence[Segment]) -> None:
-        """Give both plants the commands of a motion."""
+        """Send the commands of a motion to both plants."""
         config, (q, gripper) = self.config, self._command
         end = max(sum(segment.duration for segment in motion), obedience_time(gripper, motion)) + config.settle_time
         end += 2 * (config.settle_check + config.time_step)
@@ -227,7 +161,7 @@ class Physics:
             simulated.command(positions, efforts)
 
     def _choose(self, touches: frozenset[str] | None, step: int) -> SimulatedPlant:
-        """Let all boxes sleep that may, None lets none, and make the plant ready that simulates what is awake."""
+        """Let every box sleep that may, or none if `touches` is None, and prepare the plant that simulates the rest."""
         simulated: SimulatedPlant = self._scene
         if touches is None:
             self._sleepers.wake()
@@ -244,20 +178,20 @@ class Physics:
     def _simulate(
         self, touches: frozenset[str] | None, looks: Sequence[int], tape: Tape, *, until_rest: bool = False
     ) -> int:
-        """Simulate from the first of some steps to the last, or until all is at rest at one of them.
+        """Simulate from the first of `looks` to the last, or until all boxes are at rest at one of them.
 
         Args:
-            touches: what may be touched; None for anything.
-            looks: when to look for rest and for contact with what sleeps.
-            tape: is given the states.
-            until_rest: whether rest ends it.
+            touches: Names of the bodies that the arm may touch. None allows all.
+            looks: Steps at which to check for rest and for contact with sleeping boxes.
+            tape: Recorder of the states.
+            until_rest: Whether to stop at rest.
 
         Returns:
             The last step.
 
         Raises:
-            _SleeperTouchedError: something that sleeps was touched.
-            _OverhangError: a box overhangs, and the scene has no rims.
+            _SleeperTouchedError: A sleeping box was touched.
+            _OverhangError: A box overhangs, and the scene has no rims.
         """
         step, *later = looks
         simulated = self._choose(touches, step) if later else self._scene
@@ -277,7 +211,7 @@ class Physics:
         return step
 
     def _look(self, *, arm_alone: bool) -> None:
-        """Raise when there is contact with what sleeps, or a box that overhangs in a scene without rims."""
+        """Raise when a sleeping box is touched, or when a box overhangs in a scene without rims."""
         q = self._positions()
         if self._sleepers.asleep and self._sleepers.is_disturbed(self._lookout.list_passing(q), arm_alone=arm_alone):
             raise _SleeperTouchedError
@@ -288,31 +222,31 @@ class Physics:
         return self._scene.x[: self._scene.plant.num_positions()]
 
     def _find_moving(self) -> frozenset[str]:
-        """The boxes that are not at rest."""
+        """Return the boxes that are not at rest."""
         return self._sleepers.find_moving(self._scene.x, self.config.rest_speed, self.config.rest_turn)
 
     def _find_gathering_speed(self) -> frozenset[str]:
-        """The boxes that are slow, but faster than at the look before, as when one begins to topple."""
+        """Return the boxes that are slow but faster than at the last check, as when one begins to topple."""
         before, now = self._looked
         return self._sleepers.find_accelerating(before, now, self.config.rest_speed / 20, self.config.rest_turn / 20)
 
     @property
     def held(self) -> str | None:
-        """The box that both fingers press, if any."""
+        """Box that both fingers press, if any."""
         return self._held
 
     def configuration(self) -> Configuration:
-        """The configuration at this moment."""
+        """Return the current configuration."""
         x, (commanded, gripper) = self._scene.x, self._command
         return replace(self._view(x), held=self._held, gripper=gripper, commanded=commanded, x=x)
 
     def frames(self, recording: Recording) -> list[Frame]:
-        """What there is to see at the times of a recording."""
+        """Return the frames at the times of a recording."""
         moments = zip(recording.times, recording.states, strict=True)
         return [Frame(float(time), self._view(x)) for time, x in moments]
 
     def _view(self, x: FloatArray | None = None) -> Configuration:
-        """Where things are in a state of the scene, by default the state at this moment."""
+        """Return the positions of arm and boxes in a state of the scene, by default the current one."""
         x = self._scene.x if x is None else x
         return Configuration(
             x[self._q], {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
@@ -320,8 +254,8 @@ class Physics:
 
 
 class _SleeperTouchedError(Exception):
-    """Something that is awake touched something that sleeps."""
+    """Something awake touched a sleeping box."""
 
 
 class _OverhangError(Exception):
-    """A box reaches beyond the rim of the support that it touches."""
+    """A box reaches beyond the rim of a support that it stands on."""

@@ -1,4 +1,4 @@
-"""Boxes that need not be simulated: at rest, and touched by nothing that moves."""
+"""Boxes that need no simulation: they are at rest, and nothing that moves touches them."""
 
 from collections.abc import Collection, Iterable, Mapping
 
@@ -9,16 +9,16 @@ from ictamp_drake.world.plant import SimulatedScene
 from ictamp_drake.world.world import ROBOT, Touch
 
 NEAR = 1e-3
-"""Boxes at most this far apart count as touching [m]: neither sleeps while the other is awake."""
+"""Largest distance at which two boxes count as touching [m]. Neither sleeps while the other is awake."""
 
 
 class Sleepers:
-    """The sleeping boxes of a simulated scene.
+    """Sleeping boxes of a simulated scene.
 
-    Their joints are locked, so that they are as firm as a wall. Contact with what is awake stays, and can be noticed.
+    Their joints are locked, so they are as firm as a wall. Contact with awake bodies remains and can be detected.
 
     Attributes:
-        asleep: names of the sleeping boxes.
+        asleep: Names of the sleeping boxes.
     """
 
     def __init__(self, scene: SimulatedScene) -> None:
@@ -34,7 +34,7 @@ class Sleepers:
         self.let_sleep(frozenset())
 
     def let_sleep(self, names: frozenset[str]) -> None:
-        """Let these boxes sleep, whose velocities become zero, and wake all others."""
+        """Put these boxes to sleep with zero velocity, and wake all others."""
         for name in sorted(self.asleep - names):
             self._joints[name].Unlock(self._context)
         for name in sorted(names - self.asleep):
@@ -42,24 +42,24 @@ class Sleepers:
         self.asleep = names
 
     def find_moving(self, x: FloatArray, speed: float, turn: float) -> frozenset[str]:
-        """The boxes that are faster than `speed` [m/s] or turn faster than `turn` [rad/s] in a state of the plant."""
+        """Return the boxes that move faster than `speed` [m/s] or turn faster than `turn` [rad/s] in a plant state."""
         twists = ((name, x[places]) for name, places in self._velocities.items())
         return frozenset(n for n, v in twists if np.linalg.norm(v[3:]) > speed or np.linalg.norm(v[:3]) > turn)
 
     def find_accelerating(self, before: FloatArray, now: FloatArray, speed: float, turn: float) -> frozenset[str]:
-        """The boxes that are faster than `speed` [m/s], or turn faster than `turn` [rad/s], and faster than before."""
+        """Return the boxes that exceed `speed` [m/s] or `turn` [rad/s] now and are faster than before."""
         places = self._velocities
         faster = (n for n, at in places.items() if np.linalg.norm(now[at]) > np.linalg.norm(before[at]))
         return self.find_moving(now, speed, turn) & frozenset(faster)
 
     def find_connected(self, touches: Iterable[Touch], names: Collection[str]) -> frozenset[str]:
-        """The boxes with these names, those that the arm touches, and all that hang together with them by contact.
+        """Return the named boxes, those that the arm touches, and all boxes connected to them by contact.
 
-        So whatever rests or leans on one of them, or carries it, is among them.
+        This includes every box that rests or leans on one of them or carries it.
 
         Args:
-            touches: all that is `NEAR` each other.
-            names: of boxes, or of anything else, which does not count.
+            touches: All pairs within `NEAR` of each other.
+            names: Names of bodies. Those that are not boxes are ignored.
         """
         neighbours: dict[str, set[str]] = {name: set() for name in self._joints}
         for touch in touches:
@@ -69,7 +69,7 @@ class Sleepers:
         return _find_connected(neighbours, [name for name in neighbours if name in names or ROBOT & neighbours[name]])
 
     def is_disturbed(self, touches: Iterable[Touch], *, arm_alone: bool) -> bool:
-        """Whether something awake touches something asleep; an arm alone must touch nothing at all."""
+        """Whether something awake touches a sleeping box. With `arm_alone`, any touch of the arm counts."""
         movable = self._joints.keys() | ROBOT
         for touch in touches:
             pair = {touch.a, touch.b}

@@ -1,4 +1,4 @@
-"""The configuration c_0 that a scene starts from, or a sentence about why the scene cannot start."""
+"""The initial configuration c_0 of a scene, or an error that explains why the scene cannot start."""
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
@@ -9,7 +9,7 @@ from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
 MAX_OVERLAP = 0.001
-"""Greatest depth of bodies in each other at the start [m]; physics pushes them apart."""
+"""Largest overlap of two bodies at the start [m]. Physics pushes them apart."""
 
 
 def start_configuration(world: World, abstraction: SceneAbstraction, physics: Physics) -> tuple[Configuration, State]:
@@ -19,8 +19,8 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
         world, abstraction, physics: World, H and simulator of the scene.
 
     Raises:
-        IctampError: A joint is beyond its limits, bodies overlap, a box is carried by nothing or not held as it should
-            be, or the scene is not at rest.
+        IctampError: A joint is beyond its limits, bodies overlap, nothing carries a box, the hand does not hold the
+            box of `start.held`, or the scene is not at rest.
     """
     _check_joints(world)
     c, held = world.initial_configuration(), world.spec.start.held

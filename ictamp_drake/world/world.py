@@ -1,4 +1,4 @@
-"""The scene in Drake without physics: c to Context and back, frames and contacts."""
+"""The scene in Drake without physics: c in a Context, frames and contacts."""
 
 from typing import NamedTuple
 
@@ -16,19 +16,19 @@ from ictamp_drake.world.frames import Upright, upright_frame
 from ictamp_drake.world.poses import to_transform
 
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
-"""Names of the robot's parts among boxes and supports, whose names have no blanks."""
+"""Names of the robot's parts. Names of boxes and supports have no spaces, so they cannot clash."""
 ROBOT = frozenset({ARM, *FINGERS})
 HOLDING_FORCE = 30.0
-"""Grip force of each finger on a box that is held at the start [N]."""
+"""Grip force of each finger on a box held at the start [N]."""
 
 
 class Touch(NamedTuple):
     """Two bodies whose surfaces are near each other.
 
     Attributes:
-        a, b: names of the bodies.
-        distance: between the surfaces, negative when they overlap [m].
-        normal: unit vector from b to a in W, shape (3,).
+        a, b: Names of the bodies.
+        distance: Distance between the surfaces, negative when they overlap [m].
+        normal: Unit vector from b to a in W, shape (3,).
     """
 
     a: str
@@ -38,7 +38,7 @@ class Touch(NamedTuple):
 
 
 class _Top(NamedTuple):
-    """The top face of a support, which stays where it is: X_WT and the sides along T's x and y [m]."""
+    """Top face of a support, which never moves: X_WT and the side lengths along T's x and y [m]."""
 
     X_WT: RigidTransform
     size: FloatArray
@@ -51,7 +51,7 @@ class _Top(NamedTuple):
 
 
 class World:
-    """A scene for queries. Holds one Drake context, so it is not for use by several threads."""
+    """Scene for queries. It holds one Drake context and is not thread-safe."""
 
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
@@ -73,7 +73,7 @@ class World:
         return {geometry: name for name, body in named for geometry in geometries(body)}
 
     def initial_configuration(self) -> Configuration:
-        """Arm, hand and boxes where the specification puts them; the arm is at home with an open hand by default."""
+        """Return arm, hand and boxes as specified. By default the arm is at home with an open hand."""
         start = self.spec.start
         arm = np.array(start.joints) if start.joints else HOME
         poses = {name: box.X_WO for name, box in self.spec.boxes.items()}
@@ -84,7 +84,7 @@ class World:
         return Configuration(np.append(arm, fingers), poses, start.held, gripper, commanded=arm)
 
     def _grip(self, arm: FloatArray, box: str, X_WO: FloatArray) -> tuple[float, FloatArray]:
-        """Width of the box between the fingers [m], and the finger positions at which both just touch it, (2,) [m]."""
+        """Return the width of the box between the fingers [m] and the finger positions that just touch it, (2,) [m]."""
         X_WG = to_transform(self.spec.arm.X_WB) @ RigidTransform(forward(arm[None])[0])
         X_GO = X_WG.inverse() @ to_transform(X_WO)
         half = float(np.abs(X_GO.rotation().matrix()[1]) @ self.sizes[box]) / 2
@@ -92,13 +92,13 @@ class World:
         return 2 * half, np.clip([half + middle, half - middle], 0.0, MAX_OPENING / 2)
 
     def set_configuration(self, c: Configuration) -> None:
-        """Make the context show c."""
+        """Set the context to c."""
         self.plant.SetPositions(self._plant_context, self.bodies.arm, c.q)
         for name, body in self.bodies.boxes.items():
             self.plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
 
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
-        """All pairs of boxes, supports, fingers and arm whose surfaces are at most `tolerance` [m] apart in c."""
+        """Return all pairs of boxes, supports, fingers and arm at most `tolerance` [m] apart in c."""
         self.set_configuration(c)
         return self.touches_in(self.context, tolerance)
 
@@ -114,17 +114,17 @@ class World:
         return found
 
     def upright_frame(self, c: Configuration, box: str) -> Upright:
-        """The box as it lies in c."""
+        """Return the box as it lies in c."""
         return upright_frame(c.poses[box], self.sizes[box])
 
     def X_WT(self, c: Configuration, receptacle: str) -> RigidTransform:
-        """Frame in the centre of the top face of a support or box in c."""
+        """Frame in the center of the top face of a support or box in c."""
         if receptacle in self._tops:
             return self._tops[receptacle].X_WT
         return self.upright_frame(c, receptacle).X_WT
 
     def top_size(self, c: Configuration, receptacle: str) -> FloatArray:
-        """Sides of the top face along T's x and y, shape (2,) [m]."""
+        """Side lengths of the top face along T's x and y, shape (2,) [m]."""
         if receptacle in self._tops:
             return self._tops[receptacle].size
         return self.upright_frame(c, receptacle).size[:2]

@@ -13,7 +13,7 @@ from ictamp_drake.learning.dataset import AttemptRow
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import SceneAbstraction
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import write_untrained
 

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Skeleton
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant, ConstantConfig
 
 
 @given(st.floats(0, 1), st.integers(0, 5))
 def test_every_option_gets_the_same_probability(P: float, options: int) -> None:
     plans = [Skeleton((frozenset(), frozenset()), (Action("pick", (str(i),)),)) for i in range(options)]
-    estimates = ConstantConfig(P).create().estimate([("c", plan) for plan in plans])
+    estimates = Constant(P).estimate([("c", plan) for plan in plans])
     np.testing.assert_array_equal(estimates, [P] * options)
     assert estimates.dtype == np.float64
 

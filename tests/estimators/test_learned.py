@@ -13,6 +13,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import Estimator
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.imagination import Imagination
 from ictamp_drake.estimators.p_score import PScore, PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
@@ -67,7 +68,7 @@ def options(world: World) -> list[tuple[Configuration, Skeleton]]:
 
 
 def test_every_option_gets_a_probability_of_its_own(config: Config, world: World, checkpoints: Path) -> None:
-    P = config(checkpoints).create(world).estimate(options(world))
+    P = config(checkpoints).create(EstimatorContext(world)).estimate(options(world))
     assert P.shape == (6,)
     assert P.dtype == np.float64
     assert ((P > 0) & (P < 1)).all()
@@ -75,20 +76,20 @@ def test_every_option_gets_a_probability_of_its_own(config: Config, world: World
 
 
 def test_no_options_are_no_trouble(config: Config, world: World, checkpoints: Path) -> None:
-    assert config(checkpoints).create(world).estimate([]).shape == (0,)
+    assert config(checkpoints).create(EstimatorContext(world)).estimate([]).shape == (0,)
 
 
 def test_the_same_question_has_the_same_answer(config: Config, world: World, checkpoints: Path) -> None:
     asked = options(world)
-    estimator: Estimator[Configuration] = config(checkpoints).create(world)
+    estimator: Estimator[Configuration] = config(checkpoints).create(EstimatorContext(world))
     first = estimator.estimate(asked)
     estimator.estimate(asked[2:])
     np.testing.assert_array_equal(estimator.estimate(asked), first)
-    np.testing.assert_array_equal(config(checkpoints).create(world).estimate(asked), first)
+    np.testing.assert_array_equal(config(checkpoints).create(EstimatorContext(world)).estimate(asked), first)
 
 
 def test_P_does_not_depend_on_what_else_is_asked(world: World, checkpoints: Path) -> None:
-    asked, estimator = options(world), PScoreConfig(checkpoints).create(world)
+    asked, estimator = options(world), PScoreConfig(checkpoints).create(EstimatorContext(world))
     whole = estimator.estimate(asked)
     alone = [float(estimator.estimate([option])[0]) for option in asked]
     np.testing.assert_allclose(whole, alone, rtol=1e-5)
@@ -97,13 +98,16 @@ def test_P_does_not_depend_on_what_else_is_asked(world: World, checkpoints: Path
 
 def test_a_step_that_may_draw_more_k_is_likelier_to_succeed(world: World, checkpoints: Path) -> None:
     asked = options(world)
-    P = [PScoreConfig(checkpoints).create(world, skills).estimate(asked) for skills in (None, Draws(1), Draws(8))]
+    P = [
+        PScoreConfig(checkpoints).create(context).estimate(asked)
+        for context in (EstimatorContext(world), *(EstimatorContext(world, Draws(draws)) for draws in (1, 8)))
+    ]
     np.testing.assert_array_equal(P[0], P[1])
     assert ((P[2] > P[1]) & (P[2] < 1)).all()
 
 
 def test_P_comes_with_an_uncertainty(world: World, checkpoints: Path) -> None:
-    estimator = PScoreConfig(checkpoints).create(world)
+    estimator = PScoreConfig(checkpoints).create(EstimatorContext(world))
     assert isinstance(estimator, PScore)
     P, std = estimator.estimate_with_spread(options(world))
     np.testing.assert_array_equal(P, estimator.estimate(options(world)))
@@ -114,7 +118,7 @@ def test_more_draws_raise_the_best_Q_and_not_the_mean(world: World, checkpoints:
     asked = options(world)
 
     def Q(draws: int, best: bool) -> float:
-        return float(QValueConfig(checkpoints, draws, best).create(world).estimate(asked).mean())
+        return float(QValueConfig(checkpoints, draws, best).create(EstimatorContext(world)).estimate(asked).mean())
 
     assert Q(64, best=True) > Q(4, best=True) > Q(4, best=False)
     assert abs(Q(64, best=False) - Q(256, best=False)) < (Q(64, best=True) - Q(64, best=False)) / 2
@@ -122,7 +126,7 @@ def test_more_draws_raise_the_best_Q_and_not_the_mean(world: World, checkpoints:
 
 def test_the_mean_of_the_critics_of_P_is_P(world: World) -> None:
     configs = (PScoreConfig(draws=1024), QValueConfig(draws=1024), QValueConfig(draws=1024, critics="estimator"))
-    P, of_Q, of_P = (config.create(world).estimate(options(world)) for config in configs)
+    P, of_Q, of_P = (config.create(EstimatorContext(world)).estimate(options(world)) for config in configs)
     np.testing.assert_allclose(of_P, P, atol=0.01)
     assert np.abs(of_Q - P).max() > 0.02
 
@@ -134,14 +138,16 @@ def plans(world: World, steps: int) -> list[tuple[Configuration, Skeleton]]:
 
 
 def test_a_plan_of_one_step_is_worth_that_step(world: World, checkpoints: Path) -> None:
-    step, plan = (QValueConfig(checkpoints, 4, horizon=horizon).create(world) for horizon in ("step", "plan"))
+    step, plan = (
+        QValueConfig(checkpoints, 4, horizon=horizon).create(EstimatorContext(world)) for horizon in ("step", "plan")
+    )
     np.testing.assert_array_equal(step.estimate(options(world)), plan.estimate(options(world)))
     np.testing.assert_array_equal(step.estimate(plans(world, 3)), step.estimate(options(world)))
 
 
 @pytest.mark.parametrize("best", [False, True])
 def test_no_further_step_makes_a_plan_likelier(best: bool, world: World, checkpoints: Path) -> None:
-    estimator = QValueConfig(checkpoints, 8, best, horizon="plan").create(world)
+    estimator = QValueConfig(checkpoints, 8, best, horizon="plan").create(EstimatorContext(world))
     values = [estimator.estimate(plans(world, steps)) for steps in range(5)]
     for shorter, longer in pairwise(values):
         assert ((longer > 0) & (longer < shorter)).all()
@@ -152,7 +158,7 @@ def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoint
 
     def value(refinements: int) -> FloatArray:
         config = QValueConfig(checkpoints, 32, best=True, horizon="plan", refinements=refinements)
-        return config.create(world).estimate(asked)
+        return config.create(EstimatorContext(world)).estimate(asked)
 
     values = [value(refinements) for refinements in (0, 1, 5)]
     for fewer, more in pairwise(values):
@@ -162,7 +168,7 @@ def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoint
 
 def test_optimized_parameters_are_those_of_the_greatest_product(world: World, checkpoints: Path) -> None:
     asked = [*plans(world, 0)[:2], *plans(world, 2)]  # of two lengths
-    estimator = QValueConfig(checkpoints, 16, best=True, horizon="plan", refinements=2).create(world)
+    estimator = QValueConfig(checkpoints, 16, best=True, horizon="plan", refinements=2).create(EstimatorContext(world))
     found = estimator.optimize(asked, generator(Stream.EVALUATION, world.spec.seed))
     assert [value for value, _ in found] == estimator.estimate(asked).tolist()
     skills, dynamics = ({each: load(checkpoints, each) for each in SKILLS} for load in (load_skill, load_dynamics))
@@ -179,7 +185,7 @@ def test_the_plan_needs_dynamics_and_the_step_does_not(world: World, tmp_path: P
         QValueConfig(tmp_path, horizon=horizon).check()
     (tmp_path / "place_dynamics.safetensors").unlink()
     QValueConfig(tmp_path).check()
-    assert QValueConfig(tmp_path).create(world).estimate(options(world)).shape == (6,)
+    assert QValueConfig(tmp_path).create(EstimatorContext(world)).estimate(options(world)).shape == (6,)
     ahead = QValueConfig(tmp_path, horizon="plan")
     for ask in (ahead.check, partial(ahead.create, world)):
         with pytest.raises(IctampError, match=r"place_dynamics.safetensors: .* train one with .*train_dynamics"):
@@ -188,7 +194,7 @@ def test_the_plan_needs_dynamics_and_the_step_does_not(world: World, tmp_path: P
 
 def test_mistakes_are_answered_with_a_sentence(config: Config, world: World, tmp_path: Path) -> None:
     with pytest.raises(IctampError, match=r"safetensors: there is no such checkpoint"):
-        config(tmp_path).create(world)
+        config(tmp_path).create(EstimatorContext(world))
     with pytest.raises(IctampError, match=r"estimators.q-value.draws is 0, but must be between 1 and 4096"):
         QValueConfig(draws=0)
     with pytest.raises(IctampError, match=r"estimators.q-value.refinements seek the best of the draws; set"):

@@ -5,6 +5,7 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from tests.toy_world import ToyGenerator, ToyWorld, abstraction, toy_planner
 
@@ -14,7 +15,7 @@ def estimates(success: float, executions: int = 400) -> FloatArray:
     plan = ToyGenerator(world).next_plan(1000)
     assert isinstance(plan, Skeleton)
     assert abstraction(world.start) == plan.states[0]
-    estimator = MonteCarloConfig(executions).create(None, world)  # type: ignore[arg-type]
+    estimator = MonteCarloConfig(executions).create(EstimatorContext(None, world))  # type: ignore[arg-type]
     return estimator.estimate([(world.start, plan), (world.start, plan)])  # type: ignore[list-item]
 
 
@@ -32,7 +33,7 @@ def test_an_option_is_counted_once() -> None:
 
 def test_it_takes_part_in_a_search() -> None:
     world = ToyWorld(size=(3, 3), success=0.5)
-    estimator = MonteCarloConfig(10).create(None, world)  # type: ignore[arg-type]
+    estimator = MonteCarloConfig(10).create(EstimatorContext(None, world))  # type: ignore[arg-type]
     assert toy_planner(world, estimator=estimator).run().solved  # type: ignore[arg-type]
 
 

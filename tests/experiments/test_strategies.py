@@ -15,7 +15,7 @@ def test_every_strategy_has_options_that_are_understood(regime: str) -> None:
 
 @pytest.mark.parametrize("regime", REGIMES)
 def test_a_regime_has_usual_strategies(regime: str) -> None:
-    assert list(methods(regime, (), [0])) == list(REGIMES[regime][1])
+    assert list(methods(regime, (), [0])) == list(REGIMES[regime].usual)
 
 
 def test_the_papers_regime_draws_once_and_limits_time_and_steps() -> None:

@@ -16,8 +16,8 @@ from ictamp_drake.learning.evaluation import evaluate_dynamics
 from ictamp_drake.learning.models import load_dynamics
 from ictamp_drake.learning.objectives import PoseRegression
 from ictamp_drake.observation.state_matrix import Observation, Observer
+from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.skills.geometry import held_bottom, placement_pose, raise_pose
-from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import ONE, displace, matrices, write_untrained

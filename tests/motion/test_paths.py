@@ -7,7 +7,8 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.motion.paths import PathConfig, find_path
+from ictamp_drake.motion.config import PathConfig
+from ictamp_drake.motion.paths import find_path
 
 LIMITS = (np.full(7, -2.0), np.full(7, 2.0))
 START, END = np.array([-1.0, *[0.0] * 6]), np.array([1.0, *[0.0] * 6])
@@ -84,7 +85,8 @@ def test_library_leaves_nothing_behind() -> None:
     """Its objects are counted when the interpreter ends, and what was never freed is reported there."""
     program = f"""
 import numpy as np
-from ictamp_drake.motion.paths import PathConfig, find_path
+from ictamp_drake.motion.config import PathConfig
+from ictamp_drake.motion.paths import find_path
 limits = np.full(7, -2.0), np.full(7, 2.0)
 for seed in range(3):
     rng = np.random.default_rng(seed)

@@ -6,11 +6,9 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.constants import HOME
-from ictamp_drake.motion.config import MotionConfig
-from ictamp_drake.motion.paths import PathConfig
+from ictamp_drake.motion.config import MotionConfig, PathConfig, TrajectoryConfig
 from ictamp_drake.motion.planner import MotionPlanner, PlannedMotion, Refusal
 from ictamp_drake.motion.trajectory import sample
-from ictamp_drake.motion.trajectory_optimization import TrajectoryConfig
 from ictamp_drake.world.world import World
 from tests.motion.derivatives import derivatives
 

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import ARM_LIMITS, HOME
+from ictamp_drake.motion.config import TrajectoryConfig
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
 from ictamp_drake.motion.trajectory import Trajectory
-from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryConfig, TrajectoryOptimizer
+from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryOptimizer
 from tests.motion.derivatives import derivatives
 
 OPTIMIZER = TrajectoryOptimizer()

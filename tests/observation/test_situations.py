@@ -10,8 +10,8 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.situations import ABSENT, LIFT, Situations
 from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.scenes.training import training_scene
+from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.skills.geometry import grasp_parameter, grasp_pose, raise_pose
-from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 from tests.world.scenes import far_boxes, hold_box, scene

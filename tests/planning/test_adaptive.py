@@ -10,13 +10,14 @@ import pytest
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.result import PlanningResult
 from ictamp_drake.planning.tree import Opening
 from ictamp_drake.symbolic.atoms import ON
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.runs.programs import run_code
 from tests.symbolic.towers import Problem, state
@@ -175,9 +176,9 @@ def search_parking_lot(patience: float = BeliefsConfig().patience, lot: ParkingL
     return config.create(
         c=Parked(lot.problem.initial),
         s=lot.problem.initial,
-        generator=BreadthFirst().create(lot.problem.domain, lot.problem.initial, lot.problem.goal),
+        generator=BreadthFirst().create(GeneratorContext(lot.problem.domain, lot.problem.initial, lot.problem.goal)),
         skills=lot,
-        estimator=ConstantConfig().create(),
+        estimator=Constant(1.0),
         verify=lambda _: True,
         rng=np.random.default_rng(0),
         clock=TickingClock(),

@@ -5,8 +5,9 @@ import pytest
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import Attempt
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.els import Els, ElsConfig
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
@@ -21,7 +22,7 @@ class Search:
 
     def __init__(self, config: ElsConfig, estimator: TableEstimator | None = None) -> None:
         self.tree = Tree(WORLD.start, abstraction(WORLD.start))
-        self.rule: Els[ToyConfiguration] = config.create(estimator or ConstantConfig().create())
+        self.rule: Els[ToyConfiguration] = config.create(RuleContext(estimator or Constant(1.0)))
 
     def next(self) -> Option:
         return self.rule.choose(self.tree, np.random.default_rng(0))

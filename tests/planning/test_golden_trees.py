@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from pytest_regressions.file_regression import FileRegressionFixture
 
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant, ConstantConfig
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
@@ -53,7 +53,7 @@ def record(name: str) -> str:
     """Algorithm, parameters, toy model and the whole tree of one search."""
     world, rule = CASES[name]
     seed, steps, estimator = 5, 80, ConstantConfig()
-    asked = ToyOptimizer(world) if isinstance(rule, StapConfig) else estimator.create()
+    asked = ToyOptimizer(world) if isinstance(rule, StapConfig) else Constant(estimator.P)
     result = toy_planner(world, seed=seed, steps=steps, rule=rule, estimator=asked).run()
     contents: dict[str, Any] = {
         "algorithm": ALGORITHMS[type(rule)],

@@ -9,8 +9,9 @@ from scipy.stats import chisquare
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import Attempt
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.proportional import Proportional, ProportionalConfig
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
@@ -62,27 +63,27 @@ def expected_weights() -> dict[Option, float]:
 
 def test_options_are_drawn_in_proportion_to_the_papers_scores() -> None:
     estimator = TableEstimator({RIGHT: 0.6, UP: 0.05})
-    counts = frequencies(grown_tree(), ProportionalConfig(W=2.0, floor=0.1).create(estimator))
+    counts = frequencies(grown_tree(), ProportionalConfig(W=2.0, floor=0.1).create(RuleContext(estimator)))
     assert_in_proportion(counts, expected_weights())
 
 
 def test_opening_is_no_option_once_the_generator_is_exhausted() -> None:
     tree = grown_tree()
     tree.exhausted = True
-    counts = frequencies(tree, ProportionalConfig(W=1e6).create(ConstantConfig().create()))
+    counts = frequencies(tree, ProportionalConfig(W=1e6).create(RuleContext(Constant(1.0))))
     assert OpenPlan() not in counts
 
 
 def test_without_plans_the_only_option_is_to_open_one_even_when_it_weighs_nothing() -> None:
     tree = Tree(WORLD.start, abstraction(WORLD.start))
-    counts = frequencies(tree, ProportionalConfig(W=0.0).create(ConstantConfig().create()))
+    counts = frequencies(tree, ProportionalConfig(W=0.0).create(RuleContext(Constant(1.0))))
     assert set(counts) == {OpenPlan()}
 
 
 def test_a_rollout_draws_its_next_configuration_among_the_nodes_that_hold_the_rest() -> None:
     tree = grown_tree()
     tree.record_step(ROOT, 0, Attempt(RIGHT, None, ToyConfiguration((1, 0), 0.4)))
-    counts = frequencies(tree, ProportionalConfig().create(ConstantConfig().create()))
+    counts = frequencies(tree, ProportionalConfig().create(RuleContext(Constant(1.0))))
     newest = len(tree.nodes) - 1
     weights: dict[Option, float] = {
         RunStep(1, 2): 1,
@@ -96,7 +97,7 @@ def test_a_rollout_draws_its_next_configuration_among_the_nodes_that_hold_the_re
 def test_a_rollout_without_redrawing_goes_on_from_where_it_is() -> None:
     tree = grown_tree()
     tree.record_step(ROOT, 0, Attempt(RIGHT, None, ToyConfiguration((1, 0), 0.4)))
-    counts = frequencies(tree, ProportionalConfig(redraw=False).create(ConstantConfig().create()))
+    counts = frequencies(tree, ProportionalConfig(redraw=False).create(RuleContext(Constant(1.0))))
     assert set(counts) == {RunStep(len(tree.nodes) - 1, 2)}
 
 

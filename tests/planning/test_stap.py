@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from ictamp_drake.core.errors import IctampError
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.core.protocols import RuleContext
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.tree import ROOT, Opening
@@ -64,7 +65,7 @@ def test_a_start_at_the_goal_that_is_not_verified_leaves_nothing_to_do() -> None
 
 def test_an_estimator_that_does_not_optimize_plans_is_refused() -> None:
     with pytest.raises(TypeError, match="Constant does not optimize plans"):
-        StapConfig().create(ConstantConfig().create())
+        StapConfig().create(RuleContext(Constant(1.0)))
 
 
 @pytest.mark.parametrize(("name", "least"), [("extra", 0), ("plans", 1), ("draws", 1), ("iterations", 0)])

@@ -5,8 +5,9 @@ from collections import Counter
 import numpy as np
 from scipy.stats import chisquare
 
+from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import Attempt
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 from ictamp_drake.planning.uniform import UniformAllocation, UniformAllocationConfig
@@ -25,7 +26,7 @@ def grown_tree() -> Tree[ToyConfiguration]:
 
 
 def counts(tree: Tree[ToyConfiguration]) -> Counter[Option]:
-    rule: UniformAllocation[ToyConfiguration] = UniformAllocationConfig().create(ConstantConfig().create())
+    rule: UniformAllocation[ToyConfiguration] = UniformAllocationConfig().create(RuleContext(Constant(1.0)))
     rng = np.random.default_rng(2)
     return Counter(rule.choose(tree, rng) for _ in range(10_000))
 

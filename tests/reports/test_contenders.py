@@ -30,7 +30,7 @@ def test_rates_are_those_of_the_checkpoints_unless_given(checkpoints: Path) -> N
 def test_every_option_has_the_rate_of_its_first_action() -> None:
     state = frozenset[object]()
     plans = [Skeleton((state,) * 3, (Action(skill, ()), Action("pick", ()))) for skill in ("place", "pick", "place")]  # type: ignore[arg-type]
-    estimator = KnownRates({"pick": 0.25, "place": 0.75}).create()
+    estimator = KnownRates({"pick": 0.25, "place": 0.75})
     np.testing.assert_array_equal(estimator.estimate([(None, plan) for plan in plans]), [0.75, 0.25, 0.75])
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.types import Action, FloatArray, Skeleton
+from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.learning.cases import Case, read_cases
 from ictamp_drake.reports.predictions import ask_contenders, group_by_scene
@@ -47,7 +48,7 @@ class Lengths:
 
     asked: list[tuple[Hashable, Skeleton]] = field(default_factory=list)
 
-    def create(self, world: object = None) -> "Lengths":  # noqa: ARG002
+    def create(self, _: object) -> "Lengths":
         return self
 
     def estimate(self, options: Sequence[tuple[Hashable, Skeleton]]) -> FloatArray:
@@ -74,7 +75,9 @@ def test_estimates_are_those_of_the_estimators(cases: list[Case], tmp_path: Path
     for case in cases:
         (prediction,) = ask_contenders([case], {"lengths": Lengths(), "P": config})
         world = World(training_scene(case.scene))
-        alone = config.create(world).estimate([(case.c, Skeleton((frozenset(), frozenset()), (case.action,)))])
+        alone = config.create(EstimatorContext(world)).estimate(
+            [(case.c, Skeleton((frozenset(), frozenset()), (case.action,)))]
+        )
         np.testing.assert_allclose(prediction.estimates[1], alone[0], rtol=1e-5)
 
 

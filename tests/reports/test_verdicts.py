@@ -24,7 +24,7 @@ def test_the_faster_one_is_better() -> None:
 def test_the_slower_one_that_solves_more_is_both() -> None:
     both = replace(SAME, time=SLOWER, steps=SLOWER, solved=(37, 25), only=(12, 0), p=0.0005, both=25)
     title, _, line = summary([both], [0.004])
-    assert title == "**Better than `Y` in one figure and worse in another**"
+    assert title == "**Better than `Y` in one measure, worse in another**"
     assert line == (
         "- `X`: medium (solves more, 37 against 25 of 37, p = 0.004, 1.40 (1.20 to 1.60) of the time, "
         "1.40 (1.20 to 1.60) of the steps)"
@@ -42,7 +42,7 @@ def test_the_loser_is_worse() -> None:
 )
 def test_what_is_not_shown_is_called_so(solved: tuple[int, int], p: float, raised: float) -> None:
     lines = summary([replace(SAME, solved=solved, only=(solved[0] - solved[1], 0), p=p)], [raised])
-    assert lines == ["**No difference to `Y` shown**", "", "- `X`: medium"]
+    assert lines == ["**No difference from `Y` shown**", "", "- `X`: medium"]
 
 
 def test_strategies_are_grouped_by_what_is_shown_and_levels_by_strategy() -> None:
@@ -54,11 +54,11 @@ def test_strategies_are_grouped_by_what_is_shown_and_levels_by_strategy() -> Non
         "",
         "- `Z`: hard (0.71 (0.60 to 0.84) of the time)",
         "",
-        "**No difference to `Y` shown**",
+        "**No difference from `Y` shown**",
         "",
         "- `X`: medium; hard",
         "",
-        "**No run in common with `Y`**",
+        "**No runs in common with `Y`**",
         "",
         "- `Z`: medium",
     ]

@@ -13,10 +13,10 @@ from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.cluster import connect_cluster
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import EngineConfig
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.pool import end_with_parent
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.method import Method

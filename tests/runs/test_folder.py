@@ -13,7 +13,7 @@ from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import open_run_folder
 from ictamp_drake.tamp.method import Method, Planners
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 
 WORK = {"program": "packing", "level": "easy"}
 OPTIONS = {"options": Method().decisive}

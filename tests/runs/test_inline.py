@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_info
 
 from ictamp_drake.runs.inline import start_inline
 from ictamp_drake.scenes.spec import load_scene
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
 from tests.runs.programs import SCENE
 

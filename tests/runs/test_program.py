@@ -9,8 +9,8 @@ from rich.console import Console
 from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.reading import parse
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, run
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.method import Method
 from tests.runs import recorded

@@ -15,11 +15,11 @@ from ictamp_drake.core.reading import parse
 from ictamp_drake.runs import worker
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.sweep import sweep
-from ictamp_drake.runs.worker import Job, Problem
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
+from ictamp_drake.skills.config import OptimizationConfig
 from ictamp_drake.tamp import pages
 from ictamp_drake.tamp.method import Method, Samplers
 from ictamp_drake.tamp.task import load

@@ -8,11 +8,13 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Parameter, State
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
-from ictamp_drake.skills.runner import SamplerConfig, Skills, SkillsConfig
+from ictamp_drake.skills.config import OptimizationConfig, SkillsConfig
+from ictamp_drake.skills.context import SamplerConfig
+from ictamp_drake.skills.runner import Skills
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import SceneAbstraction
-from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
+from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
 OPTIMISATION = OptimizationConfig()

@@ -6,9 +6,8 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.models.hand import MAX_OPENING
-from ictamp_drake.skills.base import CLEARANCES, openings
-from ictamp_drake.skills.pick import PickConfig
-from ictamp_drake.skills.place import PlaceConfig
+from ictamp_drake.skills.base import openings
+from ictamp_drake.skills.config import CLEARANCES, PickConfig, PlaceConfig
 
 
 @given(needed=st.floats(0, 0.1), clearances=st.lists(st.floats(0, 0.05), min_size=1, max_size=4))

@@ -9,8 +9,9 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, Motion, Segment
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Frame
-from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, place, rig
 from tests.skills.test_skills import ON_THE_TABLE, TIPPED, TOWER, TOWER_ON_RACK

@@ -13,9 +13,9 @@ from ictamp_drake.core.types import Configuration, GripperCommand, Motion
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
-from ictamp_drake.skills.base import CLEARANCES
+from ictamp_drake.skills.config import CLEARANCES, PickConfig
+from ictamp_drake.skills.context import SkillContext
 from ictamp_drake.skills.geometry import grasp_pose, needed_opening
-from ictamp_drake.skills.pick import PickConfig
 from ictamp_drake.world.commands import gripper_time, obedience_time
 from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, rig
@@ -33,7 +33,7 @@ PLANNER = MotionPlanner(FREE)
 def plan_pick(
     world: World, box: str, k: np.ndarray, c: Configuration | None = None, config: PickConfig | None = None
 ) -> Motion | Refusal:
-    skill = (config or PickConfig()).create(world, MotionPlanner(world) if world is not FREE else PLANNER)
+    skill = (config or PickConfig()).create(SkillContext(world, MotionPlanner(world) if world is not FREE else PLANNER))
     c = c or world.initial_configuration()
     return skill.plan(c, pick(box, "table"), k, np.random.default_rng(0))
 

@@ -8,8 +8,8 @@ import pytest
 from ictamp_drake.core.types import Configuration, GripperCommand, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
-from ictamp_drake.skills.base import CLEARANCES
-from ictamp_drake.skills.place import PlaceConfig
+from ictamp_drake.skills.config import CLEARANCES, PlaceConfig
+from ictamp_drake.skills.context import SkillContext
 from ictamp_drake.world.commands import obedience_time
 from ictamp_drake.world.world import ARM, FINGERS, World
 from tests.skills.rig import pick, place, rig
@@ -66,7 +66,7 @@ def plan_placement(
     """The motion, or why there is none, and the number of transfers planned."""
     world = World(spec)
     planner = Counting(world)
-    skill = (config or PlaceConfig()).create(world, planner)
+    skill = (config or PlaceConfig()).create(SkillContext(world, planner))
     motion = skill.plan(hold_in_scene(spec, held), place("moved", "table"), k, np.random.default_rng(0))
     return motion, planner.transfers
 

@@ -12,9 +12,10 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.state_matrix import Observation, Observer
+from ictamp_drake.skills.config import PolicyConfig, UniformConfig
+from ictamp_drake.skills.context import SamplerContext
 from ictamp_drake.skills.geometry import hand_poses
-from ictamp_drake.skills.policy import PolicyConfig, PolicySampler
-from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.skills.policy import PolicySampler
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import write_untrained
@@ -50,11 +51,11 @@ def situations(world: World) -> list[tuple[Configuration, Action]]:
 def test_k_is_four_finite_numbers_that_the_seed_decides(
     world: World, arm: ArmKinematics, checkpoints: Path, candidates: int
 ) -> None:
-    sampler = PolicyConfig(checkpoints, candidates).create(world, arm)
+    sampler = PolicyConfig(checkpoints, candidates).create(SamplerContext(world, arm))
     for c, action in situations(world):
         rng, again = np.random.default_rng(0), np.random.default_rng(0)
         first = [next(sampler.draws(c, action, rng)) for _ in range(3)]
-        other = PolicyConfig(checkpoints, candidates).create(world, arm)
+        other = PolicyConfig(checkpoints, candidates).create(SamplerContext(world, arm))
         second = [next(other.draws(c, action, again)) for _ in range(3)]
         np.testing.assert_array_equal(first, second)
         assert np.shape(first) == (3, 4)
@@ -67,7 +68,7 @@ def test_k_is_four_finite_numbers_that_the_seed_decides(
 def test_the_best_of_the_candidates_that_are_near_come_first(
     world: World, arm: ArmKinematics, checkpoints: Path, haste: float
 ) -> None:
-    sampler = PolicyConfig(checkpoints, 16, haste, trust=16).create(world, arm)
+    sampler = PolicyConfig(checkpoints, 16, haste, trust=16).create(SamplerContext(world, arm))
     for c, action in situations(world):
         model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
         candidates = model.draw(observation, 16, np.random.default_rng(5))
@@ -82,13 +83,15 @@ def test_the_best_of_the_candidates_that_are_near_come_first(
 def test_candidates_of_the_policy_and_random_ones_that_the_critics_believe_in_take_turns(
     world: World, arm: ArmKinematics, checkpoints: Path, belief: float
 ) -> None:
-    sampler = PolicyConfig(checkpoints, 16, haste=0.0, trust=3, belief=belief).create(world, arm)
+    sampler = PolicyConfig(checkpoints, 16, haste=0.0, trust=3, belief=belief).create(SamplerContext(world, arm))
     for c, action in situations(world):
         model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
         rng, expected = np.random.default_rng(5), list[FloatArray]()
         for _ in range(2):
             learned = model.draw(observation, 16, rng)[0]
-            uniform = np.array(list(islice(UniformConfig().create(world, arm).draws(c, action, rng), 16)))
+            uniform = np.array(
+                list(islice(UniformConfig().create(SamplerContext(world, arm)).draws(c, action, rng), 16))
+            )
             for k in (learned, uniform) if belief == 0 else (learned,):
                 expected += list(k[np.argsort(-model.Q(observation, k[None])[0], kind="stable")][:3])
         found = islice(sampler.draws(c, action, np.random.default_rng(5)), len(expected))
@@ -98,7 +101,7 @@ def test_candidates_of_the_policy_and_random_ones_that_the_critics_believe_in_ta
 def test_when_the_critics_believe_in_no_random_candidate_the_policy_goes_on(
     world: World, arm: ArmKinematics, checkpoints: Path
 ) -> None:
-    sampler = PolicyConfig(checkpoints, 16, haste=0.05, trust=2, belief=1.0).create(world, arm)
+    sampler = PolicyConfig(checkpoints, 16, haste=0.05, trust=2, belief=1.0).create(SamplerContext(world, arm))
     for c, action in situations(world):
         found = np.array(list(islice(sampler.draws(c, action, np.random.default_rng(5)), 6)))
         assert found.shape == (6, 4)
@@ -142,13 +145,13 @@ def test_one_candidate_is_the_policys_plain_draw(world: World, arm: ArmKinematic
     c, action = situations(world)[0]
     observation = Observer(world.spec).observe_all([(c, action)])
     draw = load_skill(checkpoints, "pick").draw(observation, 1, np.random.default_rng(2))[0, 0]
-    sampler = PolicyConfig(checkpoints, 1).create(world, arm)
+    sampler = PolicyConfig(checkpoints, 1).create(SamplerContext(world, arm))
     np.testing.assert_array_equal(next(sampler.draws(c, action, np.random.default_rng(2))), draw)
 
 
 def test_mistakes_are_answered_with_a_sentence(world: World, arm: ArmKinematics, tmp_path: Path) -> None:
     with pytest.raises(IctampError, match=r"pick_policy.safetensors: there is no such checkpoint"):
-        PolicyConfig(tmp_path).create(world, arm)
+        PolicyConfig(tmp_path).create(SamplerContext(world, arm))
     with pytest.raises(IctampError, match=r"samplers.policy.candidates is 0, but must be between 1 and 4096"):
         PolicyConfig(candidates=0)
     with pytest.raises(IctampError, match=r"samplers.policy.haste is -0.1, but must be between 0 and 1"):

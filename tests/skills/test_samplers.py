@@ -14,10 +14,9 @@ from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SupportSpec
+from ictamp_drake.skills.config import OptimizationConfig, UniformConfig
+from ictamp_drake.skills.context import SamplerConfig, SamplerContext
 from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
-from ictamp_drake.skills.ik_sampler import OptimizationConfig
-from ictamp_drake.skills.runner import SamplerConfig
-from ictamp_drake.skills.uniform import UniformConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.skills.rig import pick, place
@@ -88,7 +87,9 @@ def draws(
 def test_k_is_four_finite_numbers(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
     c, action = situations(world)[situation]
     before = c.poses["red_box"].copy()
-    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 5) if not isinstance(k, Failure)]
+    found = [
+        k for k in draws(SAMPLERS[name].create(SamplerContext(world, arm)), c, action, 5) if not isinstance(k, Failure)
+    ]
     assert found
     for k in found:
         assert k.shape == (4,)
@@ -102,11 +103,11 @@ def test_k_is_four_finite_numbers(world: World, arm: ArmKinematics, name: str, s
 def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
     """Whatever the sampler was asked in between, and in a sampler of its own."""
     c, action = situations(world)[situation]
-    sampler = SAMPLERS[name].create(world, arm)
+    sampler = SAMPLERS[name].create(SamplerContext(world, arm))
     first = draws(sampler, c, action, 3)
     for other_c, other_action in situations(world).values():
         next(sampler.draws(other_c, other_action, np.random.default_rng(99)))
-    own = SAMPLERS[name].create(world, ArmKinematics(to_transform(world.spec.arm.X_WB)))
+    own = SAMPLERS[name].create(SamplerContext(world, ArmKinematics(to_transform(world.spec.arm.X_WB))))
     for again in (draws(sampler, c, action, 3), draws(own, c, action, 3)):
         assert [isinstance(k, Failure) for k in again] == [isinstance(k, Failure) for k in first]
         for one, other in zip(first, again, strict=True):
@@ -117,7 +118,9 @@ def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: 
 @pytest.mark.parametrize("name", SAMPLERS)
 def test_draws_differ(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
     c, action = situations(world)[situation]
-    found = [k for k in draws(SAMPLERS[name].create(world, arm), c, action, 8) if not isinstance(k, Failure)]
+    found = [
+        k for k in draws(SAMPLERS[name].create(SamplerContext(world, arm)), c, action, 8) if not isinstance(k, Failure)
+    ]
     spread = np.ptp(np.array(found), axis=0)
     assert len(found) >= 4
     assert spread[:2].max() > 1e-3
@@ -129,7 +132,7 @@ def test_draws_differ(world: World, arm: ArmKinematics, name: str, situation: st
 
 @pytest.fixture(scope="module")
 def sampler(world: World, arm: ArmKinematics) -> Sampler[Configuration]:
-    return CONFIG.create(world, arm)
+    return CONFIG.create(SamplerContext(world, arm))
 
 
 def pose_of_hand(world: World, arm: ArmKinematics, c: Configuration, action: Action, k: FloatArray) -> object:
@@ -219,5 +222,5 @@ def test_there_is_no_k_where_no_room_is_left(world: World, arm: ArmKinematics) -
     crowd = {"cyan_box": (0.38, -0.33), "red_box": (0.5, -0.33), "blue_box": (0.44, -0.33)}
     poses = {name: pose(x, y, RACK_TOP + SIZES[name][2] / 2) for name, (x, y) in crowd.items()}
     full = arrange(world, {**c.poses, **poses}, "yellow_box")
-    greedy = dataclasses.replace(CONFIG, clearance=0.1).create(world, arm)
+    greedy = dataclasses.replace(CONFIG, clearance=0.1).create(SamplerContext(world, arm))
     assert next(greedy.draws(full, place("yellow_box", "rack"), np.random.default_rng(0))) is Failure.GOAL_IN_COLLISION

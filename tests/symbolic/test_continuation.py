@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.continuation import continue_plan
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.symbolic.towers import LEVELS, Problem, problems
@@ -24,7 +25,7 @@ def test_a_plan_begins_with_the_action_and_goes_on_to_the_goal(problem: Problem,
 @pytest.mark.parametrize("name", LEVELS)
 def test_the_first_action_of_a_shortest_plan_makes_no_plan_longer(name: str) -> None:
     problem = LEVELS[name]
-    shortest = BreadthFirst().create(problem.domain, problem.initial, problem.goal).next_plan(1000)
+    shortest = BreadthFirst().create(GeneratorContext(problem.domain, problem.initial, problem.goal)).next_plan(1000)
     assert shortest is not None
     plan = continue_plan(problem.domain, problem.initial, shortest.actions[0], problem.goal)
     assert len(plan) == len(shortest)

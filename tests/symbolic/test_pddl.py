@@ -10,6 +10,7 @@ from unified_planning.plans import ActionInstance, SequentialPlan
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Action, Atom
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.expressions import MAX_DEPTH
 from ictamp_drake.symbolic.formulas import TRUE, And, Equal, Exists, Not, Or, Variable
 from ictamp_drake.symbolic.operators import Effect, Operator
@@ -183,7 +184,7 @@ def is_valid(problem: Problem, actions: tuple[Action, ...]) -> bool:
 @pytest.mark.parametrize("config", [BreadthFirst(), BestFirst()], ids=["breadth_first", "best_first"])
 @pytest.mark.parametrize("problem", LEVELS.values(), ids=LEVELS)
 def test_the_validator_accepts_our_plans_and_no_broken_ones(problem: Problem, config: BreadthFirst | BestFirst) -> None:
-    stream = config.create(problem.domain, problem.initial, problem.goal)
+    stream = config.create(GeneratorContext(problem.domain, problem.initial, problem.goal))
     plans = [plan for plan in (stream.next_plan(1000) for _ in range(10)) if plan is not None]
     assert len(plans) == 10
     for plan in plans:
@@ -195,6 +196,6 @@ def test_the_validator_accepts_our_plans_and_no_broken_ones(problem: Problem, co
 @settings(max_examples=20)
 @given(problems(boxes=4))
 def test_the_validator_agrees_on_scenes_with_tipped_boxes(problem: Problem) -> None:
-    plan = BestFirst().create(problem.domain, problem.initial, problem.goal).next_plan(1000)
+    plan = BestFirst().create(GeneratorContext(problem.domain, problem.initial, problem.goal)).next_plan(1000)
     assert plan is not None
     assert is_valid(problem, plan.actions)

@@ -14,6 +14,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import ON, objects_beneath, supporters
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
 from tests.runs.programs import run_code
 from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, state, tower_goal
@@ -30,7 +31,7 @@ each_config = pytest.mark.parametrize("config", CONFIGS.values(), ids=CONFIGS)
 
 
 def create(config: Config, problem: Problem) -> PlanGenerator:
-    return config.create(problem.domain, problem.initial, problem.goal)
+    return config.create(GeneratorContext(problem.domain, problem.initial, problem.goal))
 
 
 def stream(generator: PlanGenerator, max_expansions: int = 1000) -> Iterator[Skeleton]:

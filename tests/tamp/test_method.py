@@ -11,6 +11,7 @@ import pytest
 import tyro
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.protocols import Config
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
@@ -18,11 +19,9 @@ from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import EngineConfig
-from ictamp_drake.skills.policy import PolicyConfig
-from ictamp_drake.skills.uniform import UniformConfig
+from ictamp_drake.skills.config import PolicyConfig, UniformConfig
 from ictamp_drake.symbolic.skeletons import BestFirst
-from ictamp_drake.tamp.method import Estimators, Generators, Method, Planners, Samplers, choices, choose_config
-from ictamp_drake.tamp.parts import Parts
+from ictamp_drake.tamp.method import Estimators, Generators, Method, Planners, Samplers
 
 NOWHERE = Path("nowhere")
 
@@ -105,19 +104,20 @@ def test_only_constants_of_what_is_used_decide(method: Method, families: tuple[s
 @pytest.mark.parametrize(
     "configs", [Samplers(), Estimators(), Generators(), Planners()], ids=lambda configs: type(configs).__name__
 )
-def test_each_choice_names_a_configuration(configs: object) -> None:
-    names = choices(type(configs))
-    assert len(names) == len({id(choose_config(configs, name)) for name in names})
-    assert all(hasattr(choose_config(configs, name), "create") for name in names)
-    assert not any("_" in name for name in names)
+def test_each_choice_names_a_configuration(configs: Samplers | Estimators | Generators | Planners) -> None:
+    by_name = configs.by_name()
+    assert [name.replace("-", "_") for name in by_name] == [field.name for field in fields(configs)]
+    assert list(by_name.values()) == [getattr(configs, field.name) for field in fields(configs)]
+    assert all(isinstance(config, Config) for config in by_name.values())
+    assert not any("_" in name for name in by_name)
 
 
 def test_the_defaults_are_among_the_choices() -> None:
     method = Method()
-    assert method.sampler in choices(Samplers)
-    assert method.estimator in choices(Estimators)
-    assert method.generator in choices(Generators)
-    assert method.planner in choices(Planners)
+    assert method.sampler in Samplers().by_name()
+    assert method.estimator in Estimators().by_name()
+    assert method.generator in Generators().by_name()
+    assert method.planner in Planners().by_name()
 
 
 def test_names_can_be_written_both_ways() -> None:
@@ -127,13 +127,14 @@ def test_names_can_be_written_both_ways() -> None:
 
 
 def test_the_chosen_planner_is_the_rule_of_the_search() -> None:
-    rules = {name: Method(planner=name).parts.rule for name in choices(Planners)}
-    assert rules == {name: choose_config(Planners(), name) for name in choices(Planners)}
+    known = Planners().by_name()
+    assert {name: Method(planner=name).rule_config for name in known} == known
 
 
 def test_a_method_names_the_parts_of_its_search() -> None:
-    chosen_parts = Parts(UniformConfig(), ConstantConfig(), BestFirst(), ElsConfig())
-    assert Method(sampler="uniform", estimator="constant", generator="best-first", planner="els").parts == chosen_parts
+    method = Method(sampler="uniform", estimator="constant", generator="best-first", planner="els")
+    found = (method.sampler_config, method.estimator_config, method.generator_config, method.rule_config)
+    assert found == (UniformConfig(), ConstantConfig(), BestFirst(), ElsConfig())
 
 
 def test_stap_asks_for_the_product_along_the_plan_whatever_the_estimator() -> None:

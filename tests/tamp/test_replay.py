@@ -21,8 +21,8 @@ from ictamp_drake.tamp.plan import Plan, read_plan, write_plan
 from ictamp_drake.tamp.replay import Replay, replay
 from ictamp_drake.tamp.solve import Solution, solve
 from ictamp_drake.tamp.task import Task, load
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
-from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.world import World
 from tests.runs.programs import SCENE
 

@@ -17,14 +17,16 @@ from ictamp_drake.planning.tree import Step
 from ictamp_drake.runs.records import record_of
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
-from ictamp_drake.skills.policy import PolicyConfig
+from ictamp_drake.skills.config import PolicyConfig
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.skeletons import BestFirst
 from ictamp_drake.tamp.method import Estimators, Method, Samplers
 from ictamp_drake.tamp.replay import plan_frames, starts
 from ictamp_drake.tamp.solve import Solution, solve, verifier
 from ictamp_drake.tamp.task import load
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Outcome
-from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.simulate import Physics
 from tests.learning.synthetic import write_untrained
 from tests.runs.programs import SCENE
 
@@ -197,7 +199,7 @@ def test_a_record_names_what_was_in_the_way(tmp_path: Path) -> None:
 def test_problems_of_our_own_levels_start_at_rest_and_have_plans(level: str, least: int) -> None:
     for path in problem_files(level):
         task = load(path, Method())
-        plan = BestFirst().create(task.domain, task.abstraction(task.c), task.goal).next_plan(1000)
+        plan = BestFirst().create(GeneratorContext(task.domain, task.abstraction(task.c), task.goal)).next_plan(1000)
         assert plan is not None
         assert len(plan) >= least
 

@@ -14,8 +14,8 @@ from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec
 from ictamp_drake.symbolic.atoms import held_box, supporters
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.config import PredicateConfig
 from ictamp_drake.world.poses import to_pose, to_transform
-from ictamp_drake.world.predicates import PredicateConfig
 from ictamp_drake.world.world import World
 from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
 

@@ -11,8 +11,8 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Atom, Configuration
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, load_scene
 from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
-from ictamp_drake.world.simulate import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
 from ictamp_drake.world.world import World
 from tests.world.scenes import stay

@@ -16,9 +16,10 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
 from ictamp_drake.models.constants import ARM_LIMITS, HOME, MAX_GRIP_FORCE
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Frame
 from ictamp_drake.world.poses import to_pose, to_transform
-from ictamp_drake.world.simulate import Physics, PhysicsConfig
+from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import FINGERS, World
 from tests.world.scenes import RACK, SIZES, TABLE, arrange, box, build_tower, p_GO, pose, scene, stay, way
 

@@ -9,8 +9,9 @@ import pytest
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Outcome
-from ictamp_drake.world.simulate import Physics, PhysicsConfig, Watcher
+from ictamp_drake.world.simulate import Physics, Watcher
 from ictamp_drake.world.sleep import NEAR
 from ictamp_drake.world.world import World
 from tests.world.scenes import TABLE, arrange, pose, stay, way

@@ -9,7 +9,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.scenes.spec import BoxSpec, SupportSpec
 from ictamp_drake.world.abstraction import SceneAbstraction
-from ictamp_drake.world.simulate import PhysicsConfig
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.start import start_configuration
 from ictamp_drake.world.world import World
 from tests.world.scenes import box, build_tower, scene

@@ -1,0 +1,270 @@
+"""Constants of samplers and skills. Knows no Drake and no torch, so that the help of a program comes at once."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import tyro
+
+from ictamp_drake.core.checks import check_fields, check_interval, check_range, check_vector
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
+from ictamp_drake.models.constants import MAX_GRIP_FORCE
+from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE
+from ictamp_drake.motion.config import MotionConfig
+from ictamp_drake.observation.situations import LIFT
+from ictamp_drake.skills.context import SamplerConfig, SamplerContext, SkillConfig, SkillContext
+
+if TYPE_CHECKING:
+    from ictamp_drake.skills.ik_sampler import OptimizationSampler
+    from ictamp_drake.skills.pick import Pick
+    from ictamp_drake.skills.place import Place
+    from ictamp_drake.skills.policy import PolicySampler
+    from ictamp_drake.skills.runner import Skills
+    from ictamp_drake.skills.uniform import UniformSampler
+    from ictamp_drake.world.abstraction import SceneAbstraction
+    from ictamp_drake.world.simulate import Physics
+    from ictamp_drake.world.world import World
+
+CLEARANCES = (0.01, 0.006, 0.003)
+"""Distances of each finger from the box while the hand comes down to it or leaves it [m].
+
+The first one bears a box that is 3 mm and 2 deg from where it was seen, the last one what the arm deviates by.
+"""
+
+
+def check_clearances(field: str, clearances: Sequence[float]) -> None:
+    """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
+    if not clearances:
+        raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
+    check_vector(field, clearances, 0, MAX_OPENING, " m", count=None)
+
+
+@dataclass(frozen=True)
+class UniformConfig:
+    """Ranges of k.
+
+    Attributes:
+        yaw: least and greatest yaw [rad]; half a turn holds every grasp of a gripper with two fingers.
+        max_height: greatest height of a placement above the receptacle's top face [m].
+    """
+
+    yaw: tuple[float, float] = (-np.pi / 4, 3 * np.pi / 4)
+    max_height: float = 0.01
+
+    def __post_init__(self) -> None:
+        check_interval("samplers.uniform.yaw", self.yaw, -10, 10)
+        check_fields(self, "samplers.uniform", max_height=(0, 1))
+
+    def create(self, context: SamplerContext) -> "UniformSampler":
+        """The sampler for one scene."""
+        from ictamp_drake.skills.uniform import UniformSampler
+
+        return UniformSampler(context.world, self)
+
+
+@dataclass(frozen=True)
+class OptimizationConfig:
+    """How programs are posed.
+
+    Attributes:
+        restarts: programs tried for one k.
+        max_width: widest side that is gripped [m].
+        depth: least and greatest distance of G below the box's top [m].
+        ground: least distance of G above the box's bottom [m].
+        grip_offset: greatest distance of G from the box's middle across the fingers' direction and along it [m].
+        turn: greatest deviation of yaw from the faces' directions [rad].
+        height: least and greatest height of a placement above the top face [m].
+        overhang: greatest distance of a box's centre from that of the box below [m].
+        play: distance of each finger from the box before it closes [m].
+        clearance: distance kept from the neighbours' outlines [m].
+        spots: random spots compared for a placement on a support; the one with most room is aimed at.
+        room: distance from which on more room is worth nothing [m].
+        reach: least and greatest horizontal distance of a placement from the arm's base [m].
+        centring: cost of the distance from the aim [1/m^2].
+        comfort: cost of the distance from the comfortable posture [1/rad^2].
+        spread: of the random starts about the comfortable posture [rad].
+    """
+
+    restarts: int = 6
+    max_width: float = MAX_SIDE
+    depth: tuple[float, float] = (0.012, 0.034)
+    ground: float = 0.014
+    grip_offset: tuple[float, float] = (0.008, 0.001)
+    turn: float = 0.02
+    height: tuple[float, float] = (0.001, 0.002)
+    overhang: float = 0.004
+    play: float = CLEARANCES[0]
+    clearance: float = 0.015
+    spots: int = 12
+    room: float = 0.08
+    reach: tuple[float, float] = (0.3, 0.75)
+    centring: float = 1000.0
+    comfort: float = 0.1
+    spread: float = 0.3
+
+    def __post_init__(self) -> None:
+        for name in ("depth", "height", "reach"):
+            check_interval(f"samplers.optimisation.{name}", getattr(self, name), 0, 10)
+        check_vector("samplers.optimisation.grip-offset", self.grip_offset, 0, 1, count=2)
+        check_fields(
+            self,
+            "samplers.optimisation",
+            restarts=(1, 1e6),
+            max_width=(1e-3, MAX_OPENING),
+            ground=(0, 1),
+            turn=(0, 3),
+            overhang=(0, 1),
+            play=(0, MAX_OPENING),
+            clearance=(0, 1),
+            spots=(1, 1e6),
+            room=(0, 10),
+            centring=(0, 1e9),
+            comfort=(0, 1e9),
+            spread=(0, 10),
+        )
+
+    @property
+    def tight(self) -> "OptimizationConfig":
+        """For grasps where there is hardly room for the fingers: in the middle, square, not deep."""
+        offset, depth = (self.grip_offset[0], 1e-4), (self.depth[0], self.depth[0] + 0.004)
+        return replace(self, grip_offset=offset, depth=depth, turn=1e-3, play=CLEARANCES[-1], clearance=0.0)
+
+    def create(self, context: SamplerContext) -> "OptimizationSampler":
+        """The sampler for one scene."""
+        from ictamp_drake.skills.ik_sampler import OptimizationSampler
+
+        return OptimizationSampler(context.world, context.arm, self)
+
+
+@dataclass(frozen=True)
+class PolicyConfig:
+    """How k is drawn from the learned policy.
+
+    Attributes:
+        checkpoints: folder of the trained policies, by default that of the package.
+        candidates: drawn for one attempt, which tries the best first until motion planning refuses none
+            (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
+        haste: what it is worth, in probability of success, that the arm is there a second sooner [1/s]; with 0, Q
+            alone says which candidate is the best.
+        trust: how many of the policy's candidates are tried before as many random ones, the best of equally many, have
+            their turn, and so on.
+        belief: least Q of a random candidate that is tried.
+    """
+
+    checkpoints: Path | None = None
+    candidates: int = 64
+    haste: float = 0.05
+    trust: int = 4
+    belief: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_range("samplers.policy.candidates", self.candidates, 1, 4096)
+        check_range("samplers.policy.haste", self.haste, 0, 1)
+        check_range("samplers.policy.trust", self.trust, 1, 4096)
+        check_range("samplers.policy.belief", self.belief, 0, 1)
+
+    def create(self, context: SamplerContext) -> "PolicySampler":
+        """The sampler for one scene.
+
+        Raises:
+            IctampError: a checkpoint is missing, damaged or of something else.
+        """
+        from ictamp_drake.learning.models import load_skill
+        from ictamp_drake.skills.policy import PolicySampler
+
+        folder = self.checkpoints or SHIPPED
+        models = {skill: load_skill(folder, skill) for skill in SKILLS}
+        return PolicySampler(context.world, context.arm, models, self)
+
+    def check(self) -> None:
+        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        check_all(self.checkpoints or SHIPPED, "policy")
+
+
+@dataclass(frozen=True)
+class PickConfig:
+    """Constants of a pick.
+
+    Attributes:
+        force: grip force of each finger [N].
+        clearances: room between box and fingers as the hand comes down [m]; the first that the neighbours leave.
+        margin: height of the finger tips above the box before they are lowered [m].
+        lift: rise of the hand with the box [m].
+    """
+
+    force: float = 30.0
+    clearances: tuple[float, ...] = CLEARANCES
+    margin: float = 0.015
+    lift: float = LIFT
+
+    def __post_init__(self) -> None:
+        check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), margin=(0, 1), lift=(1e-3, 1))
+        check_clearances("skills.pick.clearances", self.clearances)
+
+    def create(self, context: SkillContext) -> "Pick":
+        """The skill in one scene."""
+        from ictamp_drake.skills.pick import Pick
+
+        return Pick(context.world, context.planner, self)
+
+
+@dataclass(frozen=True)
+class PlaceConfig:
+    """Constants of a placement.
+
+    Attributes:
+        clearances: room between box and fingers as the hand leaves [m]; the first that the neighbours leave.
+        drop: height above its final place from which the box is lowered straight down [m].
+        margin: height of the finger tips above the box after the retreat [m].
+    """
+
+    clearances: tuple[float, ...] = CLEARANCES
+    drop: float = 0.04
+    margin: float = 0.015
+
+    def __post_init__(self) -> None:
+        check_fields(self, "skills.place", drop=(0, 1), margin=(0, 1))
+        check_clearances("skills.place.clearances", self.clearances)
+
+    def create(self, context: SkillContext) -> "Place":
+        """The skill in one scene."""
+        from ictamp_drake.skills.place import Place
+
+        return Place(context.world, context.planner, self)
+
+
+@dataclass(frozen=True)
+class SkillsConfig:
+    """How a low-level step is made.
+
+    Attributes:
+        draws: parameters drawn until one has a motion; 1 is the paper's way.
+        pick: constants of ψ_pick.
+        place: constants of ψ_place.
+        motion: constants of motion planning.
+    """
+
+    draws: int = 8
+    pick: Annotated[SkillConfig, tyro.conf.arg(constructor=PickConfig)] = PickConfig()
+    place: Annotated[SkillConfig, tyro.conf.arg(constructor=PlaceConfig)] = PlaceConfig()
+    motion: MotionConfig = MotionConfig()
+
+    def __post_init__(self) -> None:
+        check_range("skills.draws", self.draws, 1, inf)
+
+    def create(
+        self, world: "World", abstraction: "SceneAbstraction", physics: "Physics", sampler: SamplerConfig
+    ) -> "Skills":
+        """The skills in one scene."""
+        from ictamp_drake.motion.planner import MotionPlanner
+        from ictamp_drake.skills.runner import Skills
+
+        planner = MotionPlanner(world, self.motion)
+        configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
+        skills = {name: config.create(SkillContext(world, planner)) for name, config in configs.items()}
+        drawing = sampler.create(SamplerContext(world, planner.kinematics))
+        return Skills(self.draws, abstraction, physics, drawing, skills)

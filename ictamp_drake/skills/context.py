@@ -1,0 +1,51 @@
+"""What samplers and skills are made from."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+from ictamp_drake.core.protocols import Config, Sampler, Skill
+from ictamp_drake.core.types import Configuration
+
+if TYPE_CHECKING:
+    from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+    from ictamp_drake.motion.planner import MotionPlanner, Refusal
+    from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class SamplerContext:
+    """What a sampler is made from.
+
+    Attributes:
+        world: The scene.
+        arm: Kinematics of its arm, which say what is within reach.
+    """
+
+    world: "World"
+    arm: "ArmKinematics"
+
+
+@runtime_checkable
+class SamplerConfig(Config[SamplerContext, Sampler[Configuration]], Protocol):
+    """Configuration of a sampler of k."""
+
+
+@dataclass(frozen=True)
+class SkillContext:
+    """What a skill is made from.
+
+    Attributes:
+        world: The scene.
+        planner: Plans motions in it; all skills of a scene share one.
+    """
+
+    world: "World"
+    planner: "MotionPlanner"
+
+
+@runtime_checkable
+class SkillConfig(Protocol):
+    """Configuration of a skill."""
+
+    def create(self, context: SkillContext, /) -> "Skill[Refusal]":
+        """The skill in one scene."""

@@ -1,0 +1,101 @@
+"""Constants of physics and of the predicates. Knows no Drake, so that the help of a program comes at once."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ictamp_drake.core.checks import check_fields, check_vector
+from ictamp_drake.core.types import FloatArray
+
+if TYPE_CHECKING:
+    from ictamp_drake.world.simulate import Physics
+    from ictamp_drake.world.world import World
+
+
+@dataclass(frozen=True)
+class PredicateConfig:
+    """Tolerances of the predicates.
+
+    Attributes:
+        contact: Largest distance between touching surfaces [m]. A finger deeper than this in a box does not grip it.
+        tilt: Largest tilt of a level box [rad].
+        slope: Largest angle between the normal of a carrying contact and the vertical [rad].
+    """
+
+    contact: float = 0.0015
+    tilt: float = 0.15
+    slope: float = 0.3
+
+    def __post_init__(self) -> None:
+        check_fields(self, "predicates", contact=(1e-4, 0.02), tilt=(1e-3, 1), slope=(1e-3, 1.5))
+
+
+@dataclass(frozen=True)
+class PhysicsConfig:
+    """Settings of the simulation.
+
+    Attributes:
+        time_step: Time step of the discrete plant [s].
+        contact_approximation: Approximation of contact that Drake's discrete solver uses.
+        arm_stiffness: Stiffness of the controller of each joint [Nm/rad]. A stiffer arm follows the motion more
+            closely.
+        arm_damping: Damping of the controller of each joint [Nm s/rad].
+        finger_stiffness: Stiffness of the controller of each finger [N/m].
+        finger_damping: Damping of the controller of each finger [N s/m].
+        rest_speed: Largest speed of a box at rest [m/s].
+        rest_turn: Largest angular speed of a box at rest [rad/s].
+        settle_time: Longest wait for rest after a motion [s].
+        settle_check: Time between two checks for rest [s].
+        min_pad_force: Smallest force of each finger on a held object, normal and friction together [N].
+        record_period: Time between two recorded states, and between two checks for contact with sleeping boxes [s].
+        sleep: Whether boxes at rest are simulated only where the arm may touch them, or touch what they rest or lean
+            on. Otherwise the whole scene is simulated all the time.
+    """
+
+    time_step: float = 0.004
+    contact_approximation: Literal["lagged", "sap", "similar", "tamsi"] = "sap"
+    arm_stiffness: tuple[float, ...] = (6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 2000.0)
+    arm_damping: tuple[float, ...] = (300.0, 300.0, 250.0, 250.0, 100.0, 100.0, 50.0)
+    finger_stiffness: float = 2000.0
+    finger_damping: float = 50.0
+    rest_speed: float = 2e-3
+    rest_turn: float = 2e-2
+    settle_time: float = 2.0
+    settle_check: float = 0.05
+    min_pad_force: float = 1.0
+    record_period: float = 1 / 30
+    sleep: bool = True
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            "physics",
+            time_step=(1e-5, 0.1),
+            finger_stiffness=(1e-3, 1e9),
+            finger_damping=(0, 1e9),
+            rest_speed=(1e-6, 10),
+            rest_turn=(1e-6, 100),
+            settle_time=(1e-3, 1e3),
+            settle_check=(1e-3, 10),
+            min_pad_force=(1e-3, 1e3),
+            record_period=(1e-3, 1e3),
+        )
+        check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=7)
+        check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=7)
+
+    def create(self, world: "World") -> "Physics":
+        """A simulator of the scene."""
+        from ictamp_drake.world.simulate import Physics
+
+        return Physics(world, self)
+
+    def gains(self) -> tuple[FloatArray, FloatArray]:
+        """Stiffness and damping of the controllers of 7 joints and 2 fingers, each of shape (9,)."""
+        stiffness = np.array([*self.arm_stiffness, *2 * [self.finger_stiffness]])
+        return stiffness, np.array([*self.arm_damping, *2 * [self.finger_damping]])
+
+    def steps(self, seconds: float) -> int:
+        """Number of time steps that last at least so long; what sums of durations are rounded by adds none."""
+        return math.ceil(seconds / self.time_step - 1e-6)

@@ -1,0 +1,159 @@
+"""Commands and snippets of the README and of docs: those that take long are read as their programs read them.
+
+A command is a line of a code block without a language, or code in a sentence or table, that starts with `python`,
+`ictamp` or `make`. What is checked of each:
+
+- `python -m ictamp_drake.…` and `ictamp …`: the program starts up to the point where it would act on its options, which
+  are thereby parsed and checked for their values, the files that they name aside;
+- `python benchmarks/….py`, `scripts/….py`, `docs/examples/….py`: the file exists and its options, where it has a class
+  of these, are parsed. `benchmarks/opening.py` takes plain numbers, the others without `Options` nothing;
+- `make …`: the target exists.
+
+Not checked: commands of `pip`, `cp`, `bash` and `pytest`, fragments that say "the same with …", commands that name a
+part which the reader wrote, and whether the files are there that a command names.
+"""
+
+import re
+import runpy
+import shlex
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tyro
+import yaml
+
+import ictamp_drake as ict
+from ictamp_drake import cli
+from ictamp_drake.experiments.strategies import methods
+
+ROOT = Path(__file__).parents[2]
+PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
+PROGRAM = re.compile(r"(python (-m ictamp_drake|(benchmarks|scripts|docs/examples)/)|ictamp |make )[\w.]")
+
+
+def find_commands() -> Iterator[tuple[str, str]]:
+    """Page and text of each command."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        plain = (body for language, body in BLOCK.findall(text) if not language)
+        lines = [line for body in plain for line in body.replace("\\\n", " ").splitlines()]
+        spans = [" ".join(span.split()) for span in re.findall(r"`([^`]+)`", BLOCK.sub("", text))]
+        yield from ((page.name, line.partition("  #")[0].strip()) for line in lines + spans if PROGRAM.match(line))
+
+
+COMMANDS = sorted(set(find_commands()))
+
+WRITTEN_BY_THE_READER = ("patient", "my_package")
+"""Parts of their own that readers are told how to choose; no such part is there to check."""
+
+
+class Stopped(Exception):  # noqa: N818  (no error)
+    """The program would act now."""
+
+    def __init__(self, options: object) -> None:
+        self.options = options
+
+
+def read_options(words: list[str], monkeypatch: pytest.MonkeyPatch) -> object:
+    """The options of a program of the package as it reads them, without acting on them."""
+    parse = tyro.cli
+
+    def stop(kind: Any, **more: Any) -> object:
+        options = parse(kind, **more)
+        if "prog" in more:
+            raise Stopped(options)
+        return options
+
+    monkeypatch.setattr(tyro, "cli", stop)
+    monkeypatch.setattr(sys, "argv", ["program", *words[1:]])
+    with pytest.raises(Stopped) as stopped:
+        runpy.run_module(words[0], run_name="__main__")
+    return stopped.value.options
+
+
+def test_there_are_commands_to_check() -> None:
+    assert len(COMMANDS) > 40
+
+
+@pytest.mark.parametrize(("page", "command"), COMMANDS)
+def test_the_command_can_be_read(page: str, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    program, *words = shlex.split(command)
+    if any(part in command for part in WRITTEN_BY_THE_READER):
+        pytest.skip(f"{page} tells how to choose a part that the reader wrote")
+    if program == "make":
+        targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)
+        assert words[0] in targets
+    elif program == "ictamp" and words[0] != "--help":
+        assert words[0] in cli.PROGRAMS
+        if words[1:] != ["--help"]:
+            read_options([cli.PROGRAMS[words[0]][0], *words[1:]], monkeypatch)
+    elif words[0] == "-m":
+        if words[2:] not in ([], ["--help"]):
+            check(read_options(words[1:], monkeypatch))
+        else:
+            runs(words[1])
+    else:
+        check_script(words, monkeypatch)
+
+
+def check(options: Any) -> None:
+    """What a program reads only once it acts: strategies of a comparison."""
+    if hasattr(options, "regime") and hasattr(options, "strategies"):
+        assert methods(options.regime, options.strategies, options.seeds)
+
+
+def runs(module: str) -> None:
+    path = ROOT / Path(*module.split("."))
+    assert path.with_suffix(".py").is_file()
+
+
+def check_script(words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    path = ROOT / words[0]
+    assert path.is_file()
+    if not words[1:]:
+        return
+    monkeypatch.syspath_prepend(str(path.parent))
+    contents = runpy.run_path(str(path))
+    if "Options" in contents:
+        tyro.cli(contents["Options"], args=words[1:])
+    else:
+        assert all(word.isdigit() for word in words[1:])
+
+
+def find_blocks(page: Path, language: str) -> list[str]:
+    return [body for kind, body in BLOCK.findall(page.read_text(encoding="utf-8")) if kind == language]
+
+
+@pytest.mark.slow
+def test_the_scene_and_the_snippet_of_the_readme_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (scene,), (snippet,) = (find_blocks(ROOT / "README.md", language) for language in ("yaml", "python"))
+    (tmp_path / "scene.yaml").write_text(scene, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(compile(snippet, "README.md", "exec"), names)
+    plan = names["plan"]
+    assert isinstance(plan, ict.Plan), capsys.readouterr().out
+    assert "place(blue_box, red_box)" in capsys.readouterr().out.splitlines()
+    for sentence in re.findall(r"`(plan\.\w+\(.*?\))`", (ROOT / "README.md").read_text(encoding="utf-8")):
+        call = sentence.replace("show()", "show(browser=False)")
+        exec(call, names)
+    assert yaml.safe_load((tmp_path / "plan.yaml").read_text(encoding="utf-8"))["skeleton"] == list(
+        map(str, plan.actions)
+    )
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", BLOCK.sub("", page.read_text(encoding="utf-8")))
+    missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
+    assert missing == []
+
+
+def test_the_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 130

@@ -1,0 +1,17 @@
+"""The help of a program comes at once: what it describes loads neither Drake nor torch."""
+
+import subprocess
+import sys
+
+import pytest
+
+from tests.runs.programs import environment
+
+SLOW = {"pydrake", "torch", "scipy", "ompl", "pandas"}
+
+
+@pytest.mark.parametrize("program", ["plan", "experiments.packing", "experiments.runner"])
+def test_options_are_described_without_drake_and_torch(program: str) -> None:
+    code = f"import sys, ictamp_drake.{program}; print({SLOW} & set(sys.modules))"
+    found = subprocess.check_output([sys.executable, "-c", code], env=environment(), text=True)
+    assert found.strip() == "set()"
