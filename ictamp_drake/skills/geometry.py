@@ -9,7 +9,7 @@ from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 R_DOWN = RotationMatrix.MakeXRotation(np.pi)
-"""The hand pointing down: G's x along the reference, y (the fingers' direction) against it, z down."""
+"""The hand pointing down: G's x along the reference, y (the fingers' direction) against it, z down, as in `grasps`."""
 
 
 def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidTransform:
@@ -19,7 +19,7 @@ def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidT
 
 def grasp_in_box(k: Parameter) -> RigidTransform:
     """X_UG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
-    return RigidTransform(RotationMatrix.MakeZRotation(k[3]) @ R_DOWN, k[:3])
+    return level_pose(k) @ RigidTransform(R_DOWN, np.zeros(3))
 
 
 def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> Parameter:
@@ -50,7 +50,7 @@ def placement_pose(
 
 def level_pose(k: Parameter) -> RigidTransform:
     """X_TB of the held box's bottom frame B placed with k = (x, y, z, yaw) in the receptacle's frame T."""
-    return RigidTransform(RotationMatrix.MakeZRotation(k[3]), k[:3])
+    return RigidTransform(level(k[None])[0])
 
 
 def placement_parameter(
