@@ -9,13 +9,13 @@ from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 from ictamp_drake.viz.reasons import MOVED, OBSTACLE, SHOWN, WHERE, Reasons
 
-_LINE, _HALO = 9, 13
+_LINE, _HALO = 7, 11
 """Widths of the filters that make an outline and the white around it [pixels]."""
 
 _NAME, _TITLE, _TEXT = 15, 18, 14
 """Sizes of texts [pixels]."""
 
-_COLUMNS = 108
+_COLUMNS = 118
 """Letters in a line of the caption."""
 
 _MARGIN = 14
