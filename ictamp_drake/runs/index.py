@@ -82,7 +82,7 @@ def _entry(record: Record, folder: Path) -> Entry:
 
 def _files(folder: Path) -> set[str]:
     try:
-        return set(os.listdir(folder))
+        return {path.name for path in folder.iterdir()}
     except OSError:
         return set()
 

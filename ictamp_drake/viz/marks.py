@@ -1,6 +1,6 @@
 """Outlines, names and a caption on the picture of a scene in which no plan was found."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from textwrap import wrap
 
 import numpy as np
@@ -18,13 +18,12 @@ _NAME, _TITLE, _TEXT = 15, 18, 14
 _COLUMNS = 118
 """Letters in a line of the caption."""
 
-_MARGIN = 14
+_MARGIN, _GAP = 14, 8
+"""Around the caption, and between a thing and its name [pixels]."""
+
 _INK, _PALE, _PAPER = "#26303c", "#5b6570", "#ffffff"
 
 _LEGEND = ((MOVED, "could not be moved"), (OBSTACLE, "was in the way"), (WHERE, "where it stands or was to go"))
-
-Rectangle = tuple[float, float, float, float]
-"""Left, top, right, bottom [pixels]."""
 
 
 def mark(image: Image.Image, silhouettes: Mapping[str, NDArray[np.bool_]], colors: Mapping[str, str]) -> Image.Image:
@@ -41,32 +40,33 @@ def mark(image: Image.Image, silhouettes: Mapping[str, NDArray[np.bool_]], color
         for name, mask in masks.items():
             outline = np.asarray(mask.filter(ImageFilter.MaxFilter(width))) > np.asarray(mask)
             marked.paste(_PAPER if white else colors[name], mask=Image.fromarray(outline))
-    draw = ImageDraw.Draw(marked)
-    taken: list[Rectangle] = []
+    crowd = np.zeros((image.height, image.width))  # small things are the easiest to hide
+    for silhouette in silhouettes.values():
+        crowd += silhouette / max(silhouette.sum(), 1)
     for name, mask in sorted(masks.items(), key=lambda item: colors[item[0]] != MOVED):
         if (inside := mask.getbbox()) is not None:
-            taken.append(_write_name(draw, name, colors[name], inside, taken))
+            _write_name(ImageDraw.Draw(marked), name, colors[name], inside, crowd)
     return marked
 
 
 def _write_name(
-    draw: ImageDraw.ImageDraw, name: str, color: str, thing: Rectangle, taken: Iterable[Rectangle]
-) -> Rectangle:
-    """Write a name above a thing, or higher where other names are; returns its place."""
+    draw: ImageDraw.ImageDraw, name: str, color: str, thing: tuple[int, int, int, int], crowd: NDArray[np.float64]
+) -> None:
+    """Write a name beside a thing where it hides the least, and note that its place is taken."""
     font = ImageFont.load_default(_NAME)
-    width, height = draw.textlength(name, font) + 12, _NAME + 7
-    left = min(max((thing[0] + thing[2] - width) / 2, 0), draw.im.size[0] - width)
-    top = max(thing[1] - height - 8, 0)
-    while any(_overlap((left, top, left + width, top + height), other) for other in taken) and top > 0:
-        top = max(top - 4, 0)
-    place = (left, top, left + width, top + height)
-    draw.rounded_rectangle(place, 5, fill=color, outline=_PAPER)
-    draw.text((left + width / 2, top + height / 2), name, fill=_PAPER, font=font, anchor="mm")
-    return place
-
-
-def _overlap(one: Rectangle, other: Rectangle) -> bool:
-    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+    width, height = round(draw.textlength(name, font)) + 12, _NAME + 7
+    rows, columns = crowd.shape
+    left, top, right, bottom = thing
+    middle = ((left + right - width) // 2, (top + bottom - height) // 2)
+    above = [(middle[0], top - _GAP - (rise + 1) * height) for rise in range(4)]
+    beside = [(right + _GAP, middle[1]), (left - _GAP - width, middle[1]), (middle[0], bottom + _GAP)]
+    places = [
+        (min(max(x, 0), columns - width), min(max(y, 0), rows - height)) for x, y in (above[0], *beside, *above[1:])
+    ]
+    x, y = min(places, key=lambda place: float(crowd[place[1] :, place[0] :][:height, :width].sum()))
+    crowd[y : y + height, x : x + width] += 1
+    draw.rounded_rectangle((x, y, x + width, y + height), 5, fill=color, outline=_PAPER)
+    draw.text((x + width / 2, y + height / 2), name, fill=_PAPER, font=font, anchor="mm")
 
 
 def add_caption(image: Image.Image, reasons: Reasons) -> Image.Image:
@@ -96,7 +96,7 @@ def _lines(reasons: Reasons) -> Iterator[tuple[str, int, str]]:
         for text in wrap(refusal.advice, _COLUMNS - 4):
             yield f"    {text}", _TEXT, _PALE
     if len(reasons.refusals) > SHOWN:
-        yield f"and {len(reasons.refusals) - SHOWN} more actions that never succeeded", _TEXT, _PALE
+        yield f"and {len(reasons.refusals) - SHOWN} more that never succeeded", _TEXT, _PALE
     for remark in reasons.remarks:
         for text in wrap(remark, _COLUMNS):
             yield text, _TEXT, _INK
