@@ -70,7 +70,7 @@ def silhouette(triangles: FloatArray, camera: Camera) -> NDArray[np.bool_]:
     """Where triangles would be seen if nothing else were there, shape (height, width); see `render`."""
     covered = _front(camera.project(triangles), camera.shape) >= 0
     height, width = camera.shape
-    return covered.reshape(height // _SAMPLES, _SAMPLES, width // _SAMPLES, _SAMPLES).any(axis=(1, 3))
+    return np.any(covered.reshape(height // _SAMPLES, _SAMPLES, width // _SAMPLES, _SAMPLES), axis=(1, 3))
 
 
 def _brightness(normals: FloatArray) -> FloatArray:
