@@ -58,7 +58,7 @@ class Solution:
 
     def explain(self) -> Explanation:
         """Why the search ended, what was refused by what, and what would help; `str` of it is for people."""
-        return Explanation.of(self.result, self.planning_time_s)
+        return Explanation.of(self.result, self.planning_time_s, self.task.spec)
 
     @property
     def kinematic_time_s(self) -> float:
