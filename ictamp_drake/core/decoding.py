@@ -63,7 +63,7 @@ def mapping(raw: object, where: str = "") -> Mapping[str, object]:
 
 @cache
 def _fields(schema: type) -> tuple[dict[str, bool], dict[str, Any]]:
-    """By name, which fields must be there and what they hold."""
+    """Names of the fields, True for those that must be given, and what each holds."""
     required = {
         field.name: field.default is field.default_factory is dataclasses.MISSING
         for field in dataclasses.fields(schema)
