@@ -15,8 +15,8 @@ class ConstantConfig:
     """Configuration of the constant estimator.
 
     Attributes:
-        P: Probability given to every step, in [0, 1]. With 1, optimism where nothing is known, Score_low is
-            1 / (1 + cnt): the search counts attempts and nothing else. A lower P opens more high-level plans.
+        P: Probability given to every step, in [0, 1]. With 1, which is optimism where nothing is known,
+            Score_low is 1 / (1 + cnt): only attempts count. A lower P opens more high-level plans.
     """
 
     P: float = 1.0

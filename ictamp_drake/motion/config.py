@@ -141,7 +141,7 @@ class MotionConfig:
         kinematics: Constants of inverse kinematics.
         trajectory: Constants of trajectories.
         path: Constants of sampled paths.
-        step: Longest way of the hand between two collision checks [m].
+        step: Longest motion of the hand between two collision checks [m].
         turn: Largest turn of the hand and of each joint between two collision checks [rad].
         padding: Distance that transfers keep from the scene, or less if their ends are nearer [m].
         held_shrinkage: Length by which the held box counts as smaller on every side [m].

@@ -37,8 +37,8 @@ def differentiation(points: int, order: int) -> tuple[FloatArray, FloatArray, Fl
 def paces(points: int, order: int) -> FloatArray:
     """Ways from 0 to 1 from rest to rest as control points of splines, shape (number, points).
 
-    The first three control points coincide, and so do the last three. All ways speed up evenly, cruise, and slow down
-    as they sped up. They differ in how long they cruise.
+    The first three control points coincide, and so do the last three. All ways accelerate evenly, cruise, and slow
+    down in the same manner. They differ in how long they cruise.
     """
     free = points - 4
     return np.array([_pace(free, cruise, order) for cruise in range(free % 2, free - 1, 2)])

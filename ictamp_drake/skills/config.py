@@ -129,7 +129,7 @@ class OptimizationConfig:
 
     @property
     def tight(self) -> "OptimizationConfig":
-        """Configuration for grasps with hardly any room for the fingers: in the middle, square, and not deep."""
+        """Configuration for grasps with hardly any room for the fingers: centered, square to the box, and shallow."""
         offset, depth = (self.grip_offset[0], 1e-4), (self.depth[0], self.depth[0] + 0.004)
         return replace(self, grip_offset=offset, depth=depth, turn=1e-3, play=CLEARANCES[-1], clearance=0.0)
 
@@ -142,7 +142,7 @@ class OptimizationConfig:
 
 @dataclass(frozen=True)
 class PolicyConfig:
-    """Constants of drawing k from the learned policy.
+    """Constants of the sampler that draws k from the learned policy.
 
     Attributes:
         checkpoints: Folder of the trained policies. The default is the package's own.
