@@ -1,4 +1,4 @@
-"""Why there is no plan: in words for people, and as data for programs."""
+"""Explanation of a search that found no plan: in words for people, and as data for programs."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -9,11 +9,11 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import PlanningResult, StopReason
 
 SHOWN = 4
-"""Blocked actions, and obstacles of each, that are named in words."""
+"""Maximum number of blocked actions, and of obstacles of each, that the text names."""
 
 _PARAMETERS = {"pick": "grasps", "place": "placements"}
 _SLOW_GENERATOR = 0.25
-"""Share of the time in which high-level plans were sought, from which on the search for them is to blame."""
+"""Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,8 @@ class Blocked:
 
     Attributes:
         action: The action, e.g. pick(red_box, rack).
-        refusals: Number of parameters k that were refused, by cause, the most frequent first.
-        obstacles: Number of k with which the arm or the held box would have touched something, by its name.
+        refusals: Number of refused parameters k by cause, the most frequent first.
+        obstacles: Number of refused k by the name of the obstacle that the arm or the held box would have touched.
     """
 
     action: str
@@ -32,11 +32,11 @@ class Blocked:
 
     @property
     def advice(self) -> str:
-        """What would help against the most frequent cause."""
+        """Advice against the most frequent cause."""
         return max(self.refusals, key=lambda cause: self.refusals[cause]).advice
 
     def __str__(self) -> str:
-        """E.g. "pick(red_box, rack): 30 of 30 grasps: grasp or placement in collision; in the way: blue_box (30)"."""
+        """Return e.g. "pick(red_box, rack): 30 of 30 grasps: no collision-free path; in the way: blue_box (30)"."""
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameters k")
         line = f"{self.action}: {total} of {total} {what}: {list_causes(self.refusals)}"
@@ -46,17 +46,18 @@ class Blocked:
 
 @dataclass(frozen=True, kw_only=True)
 class Explanation:
-    """Why a search ended as it did.
+    """Explanation of the outcome of a search.
 
     Attributes:
         stop_reason: Name of a `StopReason`.
         blocked: Actions that never succeeded, the most often tried first.
-        failures: Failed low-level steps by cause.
-        steps: Low-level steps.
-        plans: High-level plans that were found.
-        verified: False when a plan was carried out to the goal, but failed when it was executed once more.
-        planning_time_s: Time of the search [s].
-        generating_time_s: Part of it in which high-level plans were sought [s].
+        failures: Number of failed low-level steps by cause.
+        steps: Number of low-level steps.
+        plans: Number of high-level plans that were found.
+        verified: Result of the last verification; False when a plan reached the goal in the search but failed when it
+            was executed again; None when nothing was verified.
+        planning_time_s: Planning time [s].
+        generating_time_s: Part of the planning time that was spent on finding high-level plans [s].
     """
 
     stop_reason: str
@@ -70,7 +71,7 @@ class Explanation:
 
     @classmethod
     def of(cls, result: PlanningResult[Any], planning_time_s: float) -> "Explanation":
-        """The explanation of a search that took so long [s]."""
+        """Return the explanation of a search that took `planning_time_s` [s]."""
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
@@ -86,12 +87,12 @@ class Explanation:
 
     @property
     def reason(self) -> str:
-        """Why the search ended, as a clause."""
+        """Reason why the search ended, as a clause."""
         members = StopReason.__members__
         return str(members[self.stop_reason]) if self.stop_reason in members else self.stop_reason
 
     def lines(self) -> Iterator[str]:
-        """What stood in the way, a sentence each, and what would help."""
+        """Yield the obstacles to a plan, one sentence each, with advice."""
         if self.verified is False:
             yield "a plan was carried out to the goal, but failed when it was executed once more"
         for blocked in self.blocked[:SHOWN]:
@@ -113,7 +114,7 @@ class Explanation:
 
 
 def list_causes(causes: Mapping[Failure, int]) -> str:
-    """The causes, with their counts when there are several."""
+    """List the causes, with their counts if there are several."""
     if len(causes) == 1:
         return str(next(iter(causes)))
     return ", ".join(f"{count} {cause}" for cause, count in causes.items())
