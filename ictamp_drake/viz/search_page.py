@@ -41,13 +41,13 @@ def search_html(
     """Write the page; it appears whole or not at all.
 
     Args:
-        spec: the scene.
-        tree: what the search left.
-        recordings: of executed steps, by their place in the tree's log; a successful step without one is shown by
-            where it ended.
-        path: of the page.
-        title: name of the search.
-        stage: of the scene, if there is one, which holds no animation.
+        spec: Scene of the search.
+        tree: Tree of the search.
+        recordings: Recordings of executed steps by their index in the tree's log; for a successful step without one,
+            the page shows the step's end.
+        path: File of the page.
+        title: Name of the search.
+        stage: Stage of the scene, which must hold no animation; by default a new one.
     """
     stage = stage or Stage(spec, start_meshcat())
     stage.show(tree.root.c)
@@ -84,7 +84,7 @@ def _layout(layout: Layout) -> Record:
 
 
 def _attempt(attempt: Attempt[Configuration]) -> Record:
-    """What the record does not say of a step."""
+    """Facts of a step that the record lacks."""
     return {
         "seconds": round(sum(attempt.seconds.values()), 3),
         "detail": attempt.detail,
