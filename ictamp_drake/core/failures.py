@@ -1,4 +1,4 @@
-"""Why an attempt at a skill failed: expected outcomes are values, and each member is a sentence."""
+"""Causes of failed attempts at a skill. Failures are expected, so they are values, not exceptions."""
 
 from enum import Enum
 
@@ -21,7 +21,7 @@ class Failure(Enum):
 
     @property
     def advice(self) -> str:
-        """What a user may change in the scene or its options when an action always fails for this cause."""
+        """Advice on what to change in the scene or the options when an action always fails for this cause."""
         return _ADVICE[self]
 
 

@@ -26,10 +26,10 @@ class Work:
     """What a program is to do.
 
     Attributes:
-        name: of the run's folder.
-        about: what the problems are and how they are solved, for config.yaml; see `folder.open_run_folder`.
-        jobs: to be done.
-        conduct: how the run is carried out.
+        name: Name of the run's folder.
+        about: Problems and how they are solved, for config.yaml; see `folder.open_run_folder`.
+        jobs: Jobs to do.
+        conduct: Options for carrying out the run.
     """
 
     name: str
@@ -42,10 +42,10 @@ def main(name: str, options: type[T], work: Callable[[T], Work], arguments: Sequ
     """Run a program and return its exit code.
 
     Args:
-        name: of its module.
-        options: dataclass that its command line is derived from.
-        work: what is to be done with these options.
-        arguments: command line, that of the process by default.
+        name: Name of the program's module.
+        options: Dataclass from which the command line is derived.
+        work: Function that turns options into work.
+        arguments: Command-line arguments; by default those of the process.
     """
     interrupted = "Interrupted at once; what was finished before is kept."
     return command(name, options, lambda chosen, console: run(work(chosen), console), interrupted, arguments)
@@ -55,7 +55,7 @@ def run(work: Work, console: Console) -> int:
     """Do what is not done yet, show the results of all; returns the exit code.
 
     Raises:
-        IctampError: see `folder.open_run_folder`, `Method.check` and `EngineConfig.check`.
+        IctampError: The work cannot begin; see `folder.open_run_folder`, `Method.check` and `EngineConfig.check`.
     """
     work.conduct.engine.check()
     for method in {job.strategy: job.method for job in work.jobs}.values():

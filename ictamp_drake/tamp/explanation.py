@@ -1,4 +1,4 @@
-"""Why there is no plan: in words for people, and as data for programs."""
+"""Explanation of a search that found no plan: in words for people, and as data for programs."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _PARAMETERS = {"pick": "grasps", "place": "placements"}
 _SLOW_GENERATOR = 0.25
-"""Share of the time in which high-level plans were sought, from which on the search for them is to blame."""
+"""Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Blocked:
 
     Attributes:
         action: The action, e.g. pick(red_box, rack).
-        refusals: Number of parameters k that were refused, by cause, the most frequent first.
-        obstacles: Number of k with which the arm or the held box would have touched something, by its name.
+        refusals: Number of refused parameters k by cause, the most frequent first.
+        obstacles: Number of refused k by the name of the obstacle that the arm or the held box would have touched.
     """
 
     action: str
@@ -60,7 +60,7 @@ class Blocked:
 
 @dataclass(frozen=True, kw_only=True)
 class Explanation:
-    """Why a search ended as it did.
+    """Explanation of the outcome of a search.
 
     Attributes:
         stop_reason: Name of a `StopReason`.
@@ -106,7 +106,7 @@ class Explanation:
 
     @property
     def reason(self) -> str:
-        """Why the search ended, as a clause."""
+        """Reason why the search ended, as a clause."""
         members = StopReason.__members__
         return str(members[self.stop_reason]) if self.stop_reason in members else self.stop_reason
 
@@ -179,7 +179,7 @@ class Explanation:
 
 
 def list_causes(causes: Mapping[Failure, int]) -> str:
-    """The causes, with their counts when there are several."""
+    """List the causes, with their counts if there are several."""
     if len(causes) == 1:
         return str(next(iter(causes)))
     return ", ".join(f"{count} {cause}" for cause, count in causes.items())

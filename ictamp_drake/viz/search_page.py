@@ -95,7 +95,7 @@ def _layout(layout: Layout) -> Record:
 
 
 def _attempt(attempt: Attempt[Configuration]) -> Record:
-    """What the record does not say of a step."""
+    """Facts of a step that the record lacks."""
     return {
         "seconds": round(sum(attempt.seconds.values()), 3),
         "detail": attempt.detail,
