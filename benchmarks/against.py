@@ -1,11 +1,11 @@
-"""Processor time of an older commit and of the working tree, in turn on the same problems, in one thread.
+"""Processor time of an older commit and of the working tree on the same problems, alternately and in one thread.
 
 `python benchmarks/against.py --commit ba33f5b --levels easy medium --problems 0:10 --rounds 2 --out runs/against`
 
-Each tree has a process of its own in each round, and never do both work at once; every second round begins with the
-other tree. Adds a line to results.jsonl in the folder as soon as a problem is over, and goes on from there when it is
-called again. Prints, and writes to table.md, ratios of the working tree to the commit: medians over problems, with 95 %
-bootstrap intervals over problems. The working tree is copied at the start and may be edited meanwhile.
+Each tree has its own process in each round, and the two never work at the same time; every second round begins with the
+other tree. Adds a line to results.jsonl in the folder after each problem, and continues from there when called again.
+Prints the ratios of the working tree to the commit, and writes them to table.md: medians over problems, with 95 %
+bootstrap intervals over problems. The working tree is copied at the start and may be edited during the run.
 """
 
 import hashlib
@@ -42,25 +42,25 @@ WARM_UP = Path(__file__).with_name("scenes") / "warm_up.yaml"
 BEFORE, AFTER = TREES = ("before", "after")
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 OTHER = "_reference"
-"""Ends the names of the commit's figures, as `ratio` wants it."""
+"""Suffix of the commit's figures, as `ratio` expects it."""
 
 Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Options:
-    """What is measured.
+    """Compare a commit and the working tree.
 
     Attributes:
-        commit: Commit that the working tree is compared with.
+        commit: Commit with which to compare the working tree.
         out: Folder for the results; the folder of an unfinished comparison continues it.
         levels: Levels of the packing problems; ignored when there are scenes.
-        problems: Number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
+        problems: Number of a problem of each level, or a slice, e.g. 3, 0:5 or 10:.
         scenes: Scene files instead of levels; their folder counts as their level.
-        rounds: How often each problem is solved in each tree.
+        rounds: Number of times that each tree solves each problem.
         strategy: Name of a strategy of the experiments, or --strategy="OPTIONS", for both trees.
-        options: Further options of the working tree alone, e.g. --options="--time-limit 30".
-        options_before: Further options of the commit alone.
+        options: Further options of the working tree only, e.g. --options="--time-limit 30".
+        options_before: Further options of the commit only.
     """
 
     commit: str
@@ -84,7 +84,7 @@ class Options:
 
 
 def choose_problems(options: Options) -> list[Row]:
-    """The problems in their order: level (or the scene's folder), name, and what `measured.py` finds its file by."""
+    """List the problems in order: level (or the scene's folder), name, and the scene or number for `measured.py`."""
     if options.scenes:
         paths = [path.absolute() for path in options.scenes]
         return [{"level": path.parent.name, "problem": path.stem, "scene": str(path)} for path in paths]
@@ -97,14 +97,14 @@ def choose_problems(options: Options) -> list[Row]:
 
 @dataclass
 class Child:
-    """A process that solves problems with the package of one tree, started when it is needed."""
+    """A process that solves problems with the package of one tree; it starts when needed."""
 
     tree: Path
     options: str
     process: subprocess.Popen[str] | None = None
 
     def solve(self, problem: Row) -> Row:
-        """What the problem took; an error when the process did not survive it."""
+        """Solve the problem and return its costs, or an error if the process died."""
         process = self.process or self._start()
         try:
             print(json.dumps(problem), file=process.stdin, flush=True)
@@ -147,7 +147,7 @@ class Child:
 
 
 def git(*arguments: str) -> str:
-    """What git says in this repository; IctampError when it refuses."""
+    """Return the output of git in this repository; raise IctampError when it fails."""
     done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
         raise IctampError(f"git {' '.join(arguments)}: {done.stderr.strip()}")
@@ -156,7 +156,7 @@ def git(*arguments: str) -> str:
 
 @contextmanager
 def trees(commit: str) -> Iterator[dict[str, Path]]:
-    """The commit and the working tree's package, each in a temporary folder that goes in the end."""
+    """Yield the commit and the working tree's package, each in a temporary folder that is removed at the end."""
     with TemporaryDirectory() as temporary:
         paths = {tree: Path(temporary).resolve() / tree for tree in TREES}
         shutil.copytree(ROOT / PACKAGE, paths[AFTER] / PACKAGE, ignore=shutil.ignore_patterns("__pycache__"))
@@ -169,7 +169,7 @@ def trees(commit: str) -> Iterator[dict[str, Path]]:
 
 
 def digest(folder: Path) -> str:
-    """A name for what is in a folder."""
+    """Hash of a folder's content."""
     found = hashlib.sha256()
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         found.update(f"{path.relative_to(folder)}\0{path.stat().st_size}\0".encode() + path.read_bytes())
@@ -177,18 +177,18 @@ def digest(folder: Path) -> str:
 
 
 def read(path: Path) -> list[Row]:
-    """The last row of each measurement."""
+    """Read the last row of each measurement."""
     lines = path.read_text().splitlines() if path.exists() else []
     return list({key(row): row for row in map(json.loads, lines)}.values())
 
 
 def key(row: Row) -> tuple[Any, ...]:
-    """Names a measurement."""
+    """Key that identifies a measurement."""
     return tuple(row[name] for name in ("round", *PROBLEM, "tree"))
 
 
 def list_missing(problems: Sequence[Row], rounds: int, rows: Iterable[Row]) -> Iterator[list[Row]]:
-    """What is left to measure, in its order, a list a round; what broke down is measured again."""
+    """Yield the missing measurements in order, one list per round. Failed measurements are repeated."""
     done = {key(row) for row in rows if "error" not in row}
     for number in range(rounds):
         order = TREES if number % 2 == 0 else TREES[::-1]
@@ -230,7 +230,7 @@ def add(row: Row, path: Path) -> None:
 
 
 def pair_rows(rows: Iterable[Row]) -> pd.DataFrame:
-    """A line a round and problem that both trees have been through, with the commit's figures under `OTHER` names."""
+    """Return one line per round and problem that both trees ran; names of the commit's figures end with `OTHER`."""
     columns = ["round", *PROBLEM, "tree", "solved", "cpu_s", "plan_duration_s", "geometric_time_s"]
     runs = pd.DataFrame(list(rows), columns=columns)
     after, before = (runs[runs["tree"] == tree].drop(columns="tree") for tree in (AFTER, BEFORE))
@@ -238,7 +238,7 @@ def pair_rows(rows: Iterable[Row]) -> pd.DataFrame:
 
 
 def ratios(pairs: pd.DataFrame) -> list[str]:
-    """The lines of a table with a row a level."""
+    """Format a table with one row per level."""
     headings = ["level", "problems", "solved before", "solved after", "CPU before [s]", "CPU after [s]"]
     headings += ["CPU after / before (95 %)", "first geometric plan / CPU before (95 %)", "plan duration (95 %)"]
     rows = []
@@ -259,7 +259,7 @@ def typical(runs: pd.DataFrame, figure: str) -> str:
 
 
 def part(both: pd.DataFrame, figure: str) -> str:
-    """The working tree's figure as a part of the commit's, with its interval when there are enough problems."""
+    """Ratio of the working tree's figure to the commit's, with its interval if there are enough problems."""
     found = ratio(both, figure)
     if found is None:
         return "-"
@@ -267,7 +267,7 @@ def part(both: pd.DataFrame, figure: str) -> str:
 
 
 def report(options: Options, rows: Sequence[Row]) -> str:
-    """The tables, and what does not count in them."""
+    """Return the tables, and a note on what they exclude."""
     pairs = pair_rows(rows)
     one = int((pairs["solved"] != pairs[f"solved{OTHER}"]).sum())
     broken = sum("error" in row for row in rows)
@@ -282,9 +282,9 @@ def report(options: Options, rows: Sequence[Row]) -> str:
 
 
 def main() -> None:
-    """Measure and print; a mistake is one sentence."""
+    """Measure and print; a user's mistake ends with one sentence."""
     options = tyro.cli(Options, description=__doc__)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # the temporary folders go then, too
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that temporary folders are removed
     try:
         text = report(options, measure(options, choose_problems(options)))
         write_whole(options.out / "table.md", text)

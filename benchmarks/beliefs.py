@@ -1,8 +1,9 @@
-"""How much an attempt should count against P: `python benchmarks/beliefs.py`, about two minutes.
+"""Weight of an attempt against P: `python benchmarks/beliefs.py`, about two minutes.
 
-Attempts that were repeated from the same c tell how far a share of successes strays from P. Prints for each skill the
-strength of a Beta prior with mean P under which they are the likeliest, a constant of `planning.beliefs`, and for some
-strengths minus the log likelihood. The attempts are those of every ninth scene of data/outcomes, from which P learned.
+Repeated attempts from the same c show how far the share of successes deviates from P. For each skill, this prints the
+strength of the Beta prior with mean P that makes the attempts most likely (a constant of `planning.beliefs`), and the
+negative log likelihood for several strengths. The attempts are those in every ninth scene of data/outcomes, on which P
+was trained.
 """
 
 from pathlib import Path
@@ -27,7 +28,7 @@ STRENGTHS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 def count_successes(skill: str) -> tuple[FloatArray, FloatArray]:
-    """P and the number of successes of each case, both of shape (n,)."""
+    """Return P and the number of successes of each case, both of shape (n,)."""
     cases = [case for case in read_cases(DATA, skill, DRAWS, "policy") if case.scene % EVERY == 0]
     P, successes = list[float](), list[int]()
     for group in group_by_scene(cases):
@@ -39,7 +40,7 @@ def count_successes(skill: str) -> tuple[FloatArray, FloatArray]:
 
 
 def surprise(strength: float, P: FloatArray, successes: FloatArray) -> float:
-    """Minus the log likelihood of the successes."""
+    """Negative log likelihood of the successes."""
     return -float(betabinom.logpmf(successes, DRAWS, strength * P, strength * (1 - P)).sum())
 
 

@@ -1,8 +1,8 @@
-"""What boxes cost that nobody touches: `python benchmarks/bystanders.py`, processor time in one thread.
+"""Cost of boxes that nothing touches: `python benchmarks/bystanders.py`, processor time in one thread.
 
-Plans in turn in two scenes, the same but for the number of boxes: cubes that must get onto other tables, with sixteen
-bystanders and without. Prints the processor time of a simulated second, the median over the skills that were executed,
-of each scene, and the first as a multiple of the second.
+Plans alternately in two scenes that differ only in the number of boxes: cubes that must go to other tables, with and
+without sixteen bystanders. Prints each scene's processor time per simulated second, as the median over the executed
+skills, and the ratio of the first scene to the second.
 """
 
 # ruff: noqa: E402
@@ -15,7 +15,7 @@ from pathlib import Path
 
 for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_threads] = "1"
-time.perf_counter = time.process_time  # before the package imports it: all that it clocks is processor time
+time.perf_counter = time.process_time  # before the package imports it, so that it measures processor time only
 
 import numpy as np
 import tyro
@@ -30,12 +30,12 @@ SCENES = Path(__file__).with_name("scenes") / "bystanders"
 
 @dataclass(frozen=True)
 class Options:
-    """What is compared.
+    """Compare the cost of bystanders.
 
     Attributes:
-        scenes: The scene with many boxes and the one with few.
-        rounds: How often each is planned in.
-        method: How they are planned in.
+        scenes: Scene with many boxes, and scene with few.
+        rounds: Number of searches in each scene.
+        method: Method of the searches.
     """
 
     scenes: tuple[Path, Path] = (SCENES / "many.yaml", SCENES / "few.yaml")
@@ -44,14 +44,14 @@ class Options:
 
 
 def paces(scene: Path, method: Method) -> tuple[bool, list[float]]:
-    """Whether the scene's problem was solved, and the processor time of a simulated second in each executed skill."""
+    """Whether the problem was solved, and the processor time per simulated second of each executed skill."""
     result = solve(load(scene, method), method).result
     attempts = [step.attempt for step in result.tree.steps if step.attempt.successor is not None]
     return result.solved, [attempt.seconds["physics"] / attempt.duration for attempt in attempts]
 
 
 def main() -> None:
-    """Plan in turn and print."""
+    """Plan alternately and print."""
     options = tyro.cli(Options, description=__doc__)
     found: dict[Path, list[float]] = {scene: [] for scene in options.scenes}
     solved = dict.fromkeys(options.scenes, 0)

@@ -1,8 +1,8 @@
-"""Seconds that the search's effort took in recorded runs: `python benchmarks/effort.py`, half a minute.
+"""Computing time of the search's operations in recorded runs: `python benchmarks/effort.py`, half a minute.
 
-For each strategy the time of looking at a k (sampling and motion planning; most of those that are refused take far less
-than the others), and that of simulating a second of motion; adaptive allocation ran on a slower machine than they did.
-Then the time of an expansion until the first plan of each level, measured here. The constants of `planning.beliefs` and
+Prints for each strategy the time per parameter k (sampling and motion planning; most refused k take far less than the
+others) and per simulated second of motion. Adaptive allocation ran on a slower machine than the others. Then prints the
+time per expansion until the first plan of each level, measured here. The constants of `planning.beliefs` and
 `planning.adaptive` are of this size.
 """
 
@@ -22,13 +22,13 @@ LEVELS = ("easy", "medium", "hard", "extreme")
 
 
 def of_k(records: list[Record]) -> float:
-    """Mean computing time of a k [s]."""
+    """Mean computing time per parameter k [s]."""
     seconds = sum(record.seconds_by_stage.get(stage, 0.0) for record in records for stage in ("sampling", "motion"))
     return seconds / sum(record.low_level_steps + sum(record.rejections.values()) for record in records)
 
 
 def of_motion(records: list[Record]) -> float:
-    """Median computing time of simulating a second [s]."""
+    """Median computing time per simulated second [s]."""
     return median(
         record.replay_time_s / record.plan_duration_s
         for record in records
@@ -37,7 +37,7 @@ def of_motion(records: list[Record]) -> float:
 
 
 def of_expansion(level: str) -> float:
-    """Computing time of an expansion, of those until the first plan [s]."""
+    """Mean computing time per expansion until the first plan [s]."""
     ((method,),) = methods("default", ["p-score"], [0]).values()
     task = load(problem_files(level)[0], method)
     generator = method.generator_config.create(GeneratorContext(task.domain, task.abstraction(task.c), task.goal))

@@ -1,4 +1,4 @@
-"""Computing time of the estimators: `python benchmarks/estimators.py`, one thread, its processor time.
+"""Computing time of the estimators: `python benchmarks/estimators.py`, processor time of one thread.
 
 Scores 64 options of the search at once: every applicable action in the first configurations of packing problems.
 """
@@ -33,7 +33,7 @@ ESTIMATORS = {
 
 
 def options(world: World) -> list[tuple[Configuration, Skeleton]]:
-    """Options of one scene, repeated with boxes moved a little, so that all configurations differ."""
+    """Return options of one scene, repeated with boxes moved slightly so that all configurations differ."""
     abstraction, rng = SceneAbstraction(world), np.random.default_rng(0)
     c = world.initial_configuration()
     state = abstraction(c)

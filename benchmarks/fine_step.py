@@ -1,8 +1,8 @@
-"""Whether found plans hold with a finer physics step: `python benchmarks/fine_step.py --run runs/default`.
+"""Execution of plans with a finer physics step: `python benchmarks/fine_step.py --run runs/default`.
 
-Executes each plan.yaml of a run that kept them (--artefacts plan) once more, with a step of 1 ms and the whole scene
-awake: ten seconds for a short plan and 25 for one of a hard problem, on each of 2 cores. Writes a table by level and
-strategy, and which plans do not end in the goal then, to benchmarks/fine_step.md.
+Executes each plan.yaml of a run that kept them (--artefacts plan) again, with a step of 1 ms and the whole scene awake.
+On each of 2 cores this takes ten seconds for a short plan and 25 for a plan of a hard problem. Writes a table by level
+and strategy, and the plans that no longer reach the goal, to benchmarks/fine_step.md.
 """
 
 import shlex
@@ -23,16 +23,16 @@ from ictamp_drake.world.config import PhysicsConfig
 
 OUT = Path(__file__).with_suffix(".md")
 TIME_STEP = 0.001
-"""Of the physics [s]."""
+"""Time step of the physics [s]."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """What is executed again.
+    """Execute the plans of a run again.
 
     Attributes:
-        run: folder of the run.
-        strategies: whose plans, all by default.
+        run: Folder of the run.
+        strategies: Strategies whose plans are executed; by default all.
     """
 
     run: Path
@@ -40,12 +40,12 @@ class Options:
 
 
 def holds(plan: Path) -> bool:
-    """Whether the plan, executed with the fine step, ends in the goal again."""
+    """Whether the plan still reaches the goal with the fine step."""
     return read_plan(plan).replay(PhysicsConfig(time_step=TIME_STEP, sleep=False)).reached
 
 
 def main() -> None:
-    """Execute, count, write."""
+    """Execute the plans, count and write the results."""
     options = tyro.cli(Options, description=__doc__)
     run, wanted = options.run, options.strategies
     records = [record for record in read_records(run / RESULTS).values() if record.solved]

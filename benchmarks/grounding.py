@@ -1,7 +1,7 @@
 """Computing time until the first high-level plan: `python benchmarks/grounding.py`, half a minute.
 
-Towers of two boxes are rebuilt upside down on a second table, with every fourth box tipped over; at last five of 21
-boxes are moved and none is in the way. One process and one thread; its processor time, the least of three rounds.
+Rebuilds towers of two boxes upside down on a second support, with every fourth box tipped over; in the last problem,
+five of 21 boxes move and none is in the way. Prints the processor time of one thread, the minimum of three rounds.
 """
 
 import time
@@ -23,7 +23,7 @@ ROUNDS = 3
 
 
 def time_call(call: Callable[[], T]) -> tuple[float, T]:
-    """The least processor time of a few calls [s], and what the last one returned."""
+    """Return the minimum processor time of several calls [s], and the result of the last call."""
     seconds = []
     for _ in range(ROUNDS):
         start = time.process_time()
@@ -33,13 +33,13 @@ def time_call(call: Callable[[], T]) -> tuple[float, T]:
 
 
 def atoms_of_towers(towers: list[tuple[str, ...]], tipped: frozenset[str]) -> State:
-    """Atoms that say what each box of the towers rests on; a tower begins with its support."""
+    """Return the atoms that tell on what each box of the towers rests. A tower begins with its support."""
     pairs = [pair for tower in towers for pair in pairwise(tower)]
     return frozenset(Atom(LYING if box in tipped else ON, (box, below)) for below, box in pairs)
 
 
 def initial(towers: list[tuple[str, ...]], tipped: frozenset[str]) -> State:
-    """The state with these towers and an empty hand."""
+    """Return the state with these towers and an empty hand."""
     postures = {Atom(TIPPED if box in tipped else UPRIGHT, (box,)) for tower in towers for box in tower[1:]}
     return (
         atoms_of_towers(towers, tipped)

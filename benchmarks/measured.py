@@ -1,8 +1,8 @@
-"""Solves one problem after the other in one tree and says what each took: the child processes of `against.py`.
+"""Solve one problem after the other in one tree and report the costs: the child processes of `against.py`.
 
-Imports nothing but the package that PYTHONPATH leads to, which may be older or newer than this file. What the package
-calls seconds, limits of time included, is processor time here. A process first solves a problem that does not count,
-so that imports, networks and whatever else is loaded once are in place; then it reads a problem a line.
+Imports only the package on PYTHONPATH, which may be older or newer than this file. All seconds of the package, time
+limits included, are processor time here. Each process first solves a problem that does not count, so that imports,
+networks and other things that load once are in place. Then it reads one problem per line.
 """
 
 import gc
@@ -25,7 +25,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "record_of": ("runs.records:record_of",),
     "problem_files": ("scenes.levels:problem_files",),
 }
-"""Where the package keeps what is measured, or kept it; what moves gets one more place."""
+"""Current and former places of the measured functions in the package. A function that moves gets one more place."""
 
 FIGURES = (
     "solved",
@@ -39,11 +39,11 @@ FIGURES = (
     "kinematic_time_s",
     "geometric_time_s",
 )
-"""What is kept of a record, as far as its tree has it."""
+"""Fields of a record to keep, if the tree has them."""
 
 
 def find(name: str) -> Any:
-    """What has that name in this tree."""
+    """Import the function or class with that name from this tree."""
     for place in PLACES[name]:
         module, _, attribute = place.partition(":")
         try:
@@ -54,15 +54,15 @@ def find(name: str) -> Any:
 
 
 def solve_and_time(problem: dict[str, Any], method: Any) -> dict[str, Any]:
-    """Solve a problem; processor time from before its file is read until a plan is verified or given up [s].
+    """Solve a problem and measure the processor time from before its file is read until the search ends [s].
 
     Args:
-        problem: `scene`, a file, or `level` and `number`, of which each tree takes its own file.
-        method: how it is solved.
+        problem: File as `scene`, or `level` and `number`, for which each tree uses its own file.
+        method: Method that solves the problem.
     """
     path = find("problem_files")(problem["level"], str(problem["number"]))[0] if "number" in problem else None
     load, solve = find("load"), find("solve")
-    gc.collect()  # of the problem before
+    gc.collect()  # garbage of the previous problem
     start = time.process_time()
     try:
         solution = solve(load(path or Path(problem["scene"]), method), method)
@@ -74,11 +74,11 @@ def solve_and_time(problem: dict[str, Any], method: Any) -> dict[str, Any]:
 
 
 def main(options: str, warm_up: str) -> None:
-    """Warm up, say where the package is, then answer each line."""
-    import tyro  # noqa: PLC0415  (an import of this tree's own process, as all others)
+    """Warm up, report the package's location, then answer each line."""
+    import tyro  # noqa: PLC0415  (imported by this tree's own process, like the package)
 
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "w")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print is not an answer
     method = tyro.cli(find("Method"), args=shlex.split(options))
     first = solve_and_time({"scene": warm_up}, method)
     package = importlib.import_module("ictamp_drake").__file__

@@ -1,8 +1,8 @@
 """Computing time of motion planning: `python benchmarks/motion.py`.
 
-Picks the highest box of every packing problem and carries it over to above the rack, and then repeats transfers close
-above the table among tall boxes, where the first guess fails. One process and one thread; its processor time, which
-other processes disturb less than wall-clock time.
+Picks the highest box of every packing problem and carries it to a place above the rack. Then repeats transfers just
+above the table among tall boxes, where the first guess fails. Measures the processor time of one thread, which other
+processes disturb less than wall-clock time.
 """
 
 import time
@@ -36,7 +36,7 @@ class Clock:
         self.samples: dict[str, list[float]] = defaultdict(list)
 
     def time(self, name: str | Callable[[T], str], call: Callable[[], T]) -> T:
-        """The call's result; its time is kept under a name, which may depend on the result."""
+        """Return the call's result, and keep its time under a name, which may depend on the result."""
         start = time.process_time()
         result = call()
         milliseconds = 1e3 * (time.process_time() - start)
@@ -45,17 +45,17 @@ class Clock:
 
 
 def stage(result: PlannedMotion | Refusal) -> str:
-    """The row of the table that a transfer belongs to."""
+    """Row of the table to which a transfer belongs."""
     return f"transfer: {result.stage}" if isinstance(result, PlannedMotion) else f"transfer: {result.failure}"
 
 
 def grasp(c: Configuration, box: str, size: FloatArray, q: FloatArray) -> Configuration:
-    """c with the box in the hand."""
+    """Return c with the box in the hand."""
     return Configuration(np.append(q, [size[1] / 2] * 2), c.poses, box)
 
 
 def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None:
-    """The motions of a pick and of the transfer after it, each timed."""
+    """Plan and time the motions of a pick and of the transfer after it."""
     planner, c = MotionPlanner(world), world.initial_configuration()
     box = max(c.poses, key=lambda name: c.poses[name][6])
     size = world.upright_frame(c, box).size
@@ -81,7 +81,7 @@ def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None
 
 
 def forest(spec: SceneSpec, rng: np.random.Generator) -> SceneSpec:
-    """The scene with seven tall boxes instead of its own."""
+    """Replace the boxes of a scene by seven tall ones."""
     boxes: dict[str, BoxSpec] = {}
     while len(boxes) < 7:
         x, y, height = rng.uniform(0.35, 0.65), rng.uniform(-0.15, 0.4), rng.choice([0.12, 0.24, 0.36])
@@ -91,7 +91,7 @@ def forest(spec: SceneSpec, rng: np.random.Generator) -> SceneSpec:
 
 
 def cross_forest(world: World, clock: Clock, rng: np.random.Generator) -> None:
-    """Transfers among tall boxes."""
+    """Plan and time transfers among tall boxes."""
     planner, c = MotionPlanner(world), world.initial_configuration()
     qs: list[FloatArray] = []
     while len(qs) < 7:
@@ -104,7 +104,7 @@ def cross_forest(world: World, clock: Clock, rng: np.random.Generator) -> None:
 
 
 def main() -> None:
-    """Print one row a stage."""
+    """Print one row per stage."""
     clock, rng = Clock(), np.random.default_rng(0)
     files = [file for level in ("easy", "medium", "hard") for file in problem_files(level)]
     for file in files:

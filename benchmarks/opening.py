@@ -1,9 +1,9 @@
-"""Which W goes with which plan generator: `python benchmarks/opening.py 6 8`, a minute.
+"""Choice of W for each plan generator: `python benchmarks/opening.py 6 8`, a minute.
 
-Random rearrangements of so many boxes on four supports, without physics. Some ways to put a box out of the way never
-succeed, a tenth of the actions do from every other configuration, and the rest nineteen times in twenty; P knows
-nothing of that. A row has the mean number of low-level steps until the goal, at most 150, and of plans that were
-opened, where no, some and many ways never succeed.
+Solves random rearrangements of the given numbers of boxes on four supports, without physics. Some ways to put a box
+aside are barred: they never succeed. A tenth of the actions can succeed from only half of the configurations.
+Otherwise an action succeeds nineteen times in twenty. P does not know this. Each row has the mean number of low-level
+steps until the goal, at most 150, and the mean number of opened plans, with no, some and many barred ways.
 """
 
 import sys
@@ -34,7 +34,7 @@ WEIGHTS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 
 
 class Configuration(NamedTuple):
-    """A state and a number that stands for all that the state leaves open."""
+    """A state, and a number that stands for everything that the state does not determine."""
 
     state: State
     luck: int
@@ -52,7 +52,7 @@ class Skills:
     def attempt(
         self, c: Configuration, action: Action, promised: State, rng: np.random.Generator, k: Parameter | None = None
     ) -> Attempt[Configuration]:
-        """Run the action once; k plays no part."""
+        """Run the action once; k has no effect."""
         del k
         words = [int.from_bytes(word.encode()[-4:], "big") for word in (action.name, *action.args)]
         kind = generator(Stream.DATA, *self.scene, *words).random()
@@ -65,7 +65,7 @@ class Skills:
 
 
 def towers(boxes: list[str], rng: np.random.Generator) -> list[tuple[str, ...]]:
-    """The boxes in random towers, each with its support first."""
+    """Stack the boxes in random towers, each of which begins with its support."""
     found: list[tuple[str, ...]] = []
     for box in rng.permutation(boxes):
         bases = [*((support,) for support in SUPPORTS), *found]
@@ -75,12 +75,12 @@ def towers(boxes: list[str], rng: np.random.Generator) -> list[tuple[str, ...]]:
 
 
 def atoms_of_towers(arrangement: list[tuple[str, ...]]) -> State:
-    """What rests on what."""
+    """Return the atoms that tell on what each box rests."""
     return frozenset(Atom(ON, (box, below)) for tower in arrangement for below, box in pairwise(tower))
 
 
 def solve(size: int, number: int, barred: float, config: BreadthFirst | BestFirst, W: float) -> tuple[int, int]:
-    """Steps until the goal, and plans opened."""
+    """Return the number of steps until the goal and of opened plans."""
     rng = generator(Stream.DATA, size, number)
     boxes = [f"box_{box:02}" for box in range(size)]
     start = towers(boxes, rng)
@@ -102,7 +102,7 @@ def solve(size: int, number: int, barred: float, config: BreadthFirst | BestFirs
 
 
 def main(sizes: tuple[int, ...]) -> None:
-    """Print a row for each generator and W."""
+    """Print one row per generator and W."""
     print(f"{'generator':15} {'W':>5}", *(f"{f'{share:.0%} barred: steps':>20} {'plans':>6}" for share in BARRED))
     for config, W in product((BestFirst(), BreadthFirst(patience=5000)), WEIGHTS):
         row = f"{type(config).__name__:15} {W:5}"

@@ -1,8 +1,8 @@
-"""Scenes of cubes, ten of each kind, that time is measured on: `python benchmarks/scenes.py` writes benchmarks/scenes.
+"""Scenes of cubes for time measurements, ten of each kind: `python benchmarks/scenes.py` writes benchmarks/scenes.
 
-Cubes with sides of 45 mm stand about on the table. Scattered: three to six of them, two of which must get onto the
-rack. A tower of n: n of them, which must become a tower on the rack. `warm_up.yaml` is one more tower of two, which is
-solved before anything is measured.
+Cubes with sides of 45 mm are spread over the table. Scattered: three to six cubes, two of which must go onto the rack.
+A tower of n: n cubes, which must become a tower on the rack. `warm_up.yaml` is another tower of two, which is solved
+before the measurements.
 """
 
 import math
@@ -21,7 +21,7 @@ WARM_UP = SCENES / "warm_up.yaml"
 KINDS = ("scattered", "tower_2", "tower_3", "tower_4")
 COUNT = 10
 SIDE = 0.045
-"""Of a cube [m]."""
+"""Side of a cube [m]."""
 COLORS: tuple[Vector, ...] = (
     (0.8, 0.12, 0.1),
     (0.15, 0.3, 0.8),
@@ -34,19 +34,19 @@ COLORS: tuple[Vector, ...] = (
 
 @dataclass(frozen=True)
 class Options:
-    """Where scenes go.
+    """Write the scenes.
 
     Attributes:
-        out: Folder for a folder of each kind.
+        out: Folder in which each kind of scene gets a folder.
     """
 
     out: Path = SCENES
 
 
 def make_scene(kind: str, number: int) -> SceneSpec:
-    """The scene of that number; the same arguments always give the same one.
+    """Make the scene of that number; the same arguments always give the same scene.
 
-    It is drawn with four keys, those of levels and training with three, so that they share no random number.
+    Its random generator has four keys, and those of levels and training have three, so that they share no numbers.
     """
     rng = generator(Stream.SCENES, 0, KINDS.index(kind), number, 0)
     count = int(rng.integers(3, 7)) if kind == "scattered" else int(kind[-1])
@@ -64,7 +64,7 @@ def make_scene(kind: str, number: int) -> SceneSpec:
 
 
 def write_scenes(out: Path) -> None:
-    """Write all scenes, KIND/00.yaml, 01.yaml, … and the one to warm up with."""
+    """Write all scenes as KIND/00.yaml, 01.yaml, …, and the scene for warming up."""
     for kind in KINDS:
         (out / kind).mkdir(parents=True, exist_ok=True)
         for number in range(COUNT):

@@ -1,8 +1,8 @@
-"""How often one parameter k succeeds, and what it costs: `python benchmarks/skills.py`, half an hour on 2 cores.
+"""Success rate and cost of one parameter k: `python benchmarks/skills.py`, half an hour on 2 cores.
 
-Walks through held-out training scenes (under a seed of their own) and attempts every action that it meets with k from
-each source. Cases that the optimisation-based sampler can do are those in which one of its attempts succeeded. Writes
-a table and the attempts to benchmarks/skills/; interrupted, the same command goes on.
+Walks through held-out training scenes (with a seed of their own) and attempts every action on the way with k from each
+source. A case counts as doable if an attempt of the optimization-based sampler succeeded. Writes a table and the
+attempts to benchmarks/skills/. After an interruption, the same command continues.
 
 python benchmarks/skills.py --reference runs/stap --scenes 0:60
 """
@@ -36,7 +36,7 @@ from ictamp_drake.world.world import World
 
 OUT = Path(__file__).parent / "skills"
 SEED = 1
-"""Of the scenes; those that are learned from have 0."""
+"""Seed of the scenes; the training scenes have seed 0."""
 SOURCES = {
     "uniform": "uniform",
     "optimization": "optimization-based",
@@ -45,21 +45,21 @@ SOURCES = {
     "best": "policy, best of 16 by Q",
     "product": "policy, best of 16 with a motion",
 }
-"""Sources of k by their name in `collection.walk.Sources`."""
+"""Titles of the sources of k, by their names in `collection.walk.Sources`."""
 TIMED = 200
-"""Cases in which the sources are timed."""
+"""Number of cases in which the sources are timed."""
 CASE = ["scene", "state", "action", "box", "place"]
 
 
 @dataclass(frozen=True)
 class Options:
-    """What is compared.
+    """Compare sources of k.
 
     Attributes:
-        scenes: slice of the held-out scenes.
-        checkpoints: folder of the trained policies, by default that of the package.
-        reference: folder of the reference's.
-        out: folder for attempts and table.
+        scenes: Slice of the held-out scenes.
+        checkpoints: Folder of the trained policies; by default that of the package.
+        reference: Folder of the reference's trained policies.
+        out: Folder for the attempts and the table.
     """
 
     scenes: str = "0:60"
@@ -69,7 +69,7 @@ class Options:
 
 
 def collect(options: Options) -> None:
-    """Two attempts with k from each source at every action met."""
+    """Make two attempts at every action with k from each source."""
     present = [name for name in SOURCES if name != "reference" or options.reference]
     weights = [
         word for name in ("perturbed", *SOURCES) for word in (f"--walk.sources.{name}", str(int(name in present)))
@@ -82,7 +82,7 @@ def collect(options: Options) -> None:
 
 
 def rates(attempts: pd.DataFrame) -> Iterator[dict[str, str]]:
-    """A row a skill and source: share of successes in all cases, and in those that can be done, with 95 % intervals."""
+    """Yield a row per skill and source: share of successes in all and in doable cases, with 95 % intervals."""
     attempts["won"] = attempts["failure"].isna()
     by_optimization = attempts[attempts["sampler"] == "optimization"].groupby(CASE, observed=True)["won"].any()
     attempts = attempts.join(by_optimization.rename("doable"), on=CASE)
@@ -102,7 +102,7 @@ def rates(attempts: pd.DataFrame) -> Iterator[dict[str, str]]:
 
 
 def share(rows: pd.DataFrame) -> str:
-    """Share of successes and its interval, from samples of scenes."""
+    """Share of successes and its bootstrap interval over scenes."""
     scenes = rows.groupby("scene")["won"].agg(["sum", "size"]).to_numpy(dtype=float).T
     found = bootstrap(
         tuple(scenes), lambda won, size, axis: won.sum(axis) / size.sum(axis), paired=True, method="percentile", rng=0
@@ -132,7 +132,7 @@ def time_sampler(sampler: Sampler[Configuration], c: Configuration, a: Action) -
 
 
 def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]]:
-    """The sources whose costs differ."""
+    """Create the sources whose costs differ."""
     arm = ArmKinematics(to_transform(world.spec.arm.X_WB))
     learned = {"policy": PolicyConfig(options.checkpoints, 1), "best": PolicyConfig(options.checkpoints, 16, 0.0)}
     if options.reference:
@@ -142,7 +142,7 @@ def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]
 
 
 def main() -> None:
-    """Collect, count, time, write."""
+    """Collect attempts, count successes, time the sources and write the results."""
     options = tyro.cli(Options, description=__doc__)
     origin = provenance()
     collect(options)

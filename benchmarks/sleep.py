@@ -1,7 +1,7 @@
-"""Whether what sleeps changes anything: `python benchmarks/sleep.py --problems 0:6`.
+"""Effect of sleeping bodies on executions: `python benchmarks/sleep.py --problems 0:6`.
 
-Solves problems of each level, then executes each plan from c_0 as the search did and with the whole scene awake.
-Compares where every box is at the end of every skill, and H there. Takes about 12 s a problem on one core. Writes a
+Solves problems of each level, then executes each plan from c_0 both as in the search and with the whole scene awake.
+Compares the poses of all boxes, and H, at the end of every skill. Takes about 12 s per problem on one core. Writes a
 table to benchmarks/sleep.md.
 """
 
@@ -33,12 +33,12 @@ OUT = Path(__file__).with_suffix(".md")
 
 @dataclass(frozen=True)
 class Options:
-    """What is compared.
+    """Compare executions with and without sleep.
 
     Attributes:
-        problems: Problems of each level: a number or a slice.
-        levels: Levels.
-        workers: Processes.
+        problems: Number of a problem of each level, or a slice.
+        levels: Levels of the problems.
+        workers: Number of worker processes.
     """
 
     problems: str = "0:6"
@@ -48,17 +48,17 @@ class Options:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A plan executed with sleep against the same with the whole scene awake.
+    """Comparison of a plan's execution with sleep to that with the whole scene awake.
 
     Attributes:
-        level: of the problem.
-        problem: its file.
-        shifts: greatest distance of a box at the end of each skill [mm].
-        turns: the same for angles [deg].
-        same: skills after which H is the same.
-        ratio: processor time with sleep, as a part of that without.
-        executed: steps of the search that physics executed.
-        woken: how many of them the guard executed again with the whole scene awake.
+        level: Level of the problem.
+        problem: Name of the problem.
+        shifts: Maximum distance between the two positions of a box at the end of each skill [mm].
+        turns: Maximum angle between the two orientations of a box at the end of each skill [deg].
+        same: Number of skills after which H is the same.
+        ratio: Processor time with sleep, relative to that without.
+        executed: Number of steps of the search that physics executed.
+        woken: Number of these steps that the guard executed again with the whole scene awake.
     """
 
     level: str
@@ -78,7 +78,7 @@ class Counted(Physics):
     executions = 0
 
     def proceed(self, motion: Sequence, *, watch: Watcher | None = None, record: bool = True) -> Outcome:  # type: ignore[type-arg]
-        """As the simulator does."""
+        """Count the call, and proceed as the simulator does."""
         self.runs += 1
         return super().proceed(motion, watch=watch, record=record)
 
@@ -115,14 +115,14 @@ def holds(task: Task, one: Configuration, other: Configuration) -> bool:
 
 
 def difference(one: Configuration, other: Configuration) -> tuple[float, float]:
-    """How far apart the boxes are at most [mm], and how far they are turned against each other [deg]."""
+    """Maximum distance [mm] and maximum angle [deg] between the poses of a box in two configurations."""
     X = [to_transform(pose).inverse() @ to_transform(other.poses[name]) for name, pose in one.poses.items()]
     shift = max(np.linalg.norm(each.translation()) for each in X)
     return 1000 * float(shift), float(np.degrees(max(each.rotation().ToAngleAxis().angle() for each in X)))
 
 
 def table(found: Sequence[Comparison]) -> list[str]:
-    """A row for each level and one for all."""
+    """Format one row per level and one for all."""
     rows = []
     for level in [*dict.fromkeys(each.level for each in found), "all"]:
         group = [each for each in found if level in (each.level, "all")]
@@ -146,7 +146,7 @@ def table(found: Sequence[Comparison]) -> list[str]:
 
 
 def main() -> None:
-    """Solve, execute, compare, write."""
+    """Solve the problems, execute and compare the plans, and write the table."""
     options = tyro.cli(Options, description=__doc__)
     problems = [(level, path) for level in options.levels for path in problem_files(level, options.problems)]
     with ProcessPoolExecutor(options.workers, mp_context=get_context("spawn")) as pool:

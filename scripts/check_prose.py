@@ -1,6 +1,6 @@
-"""Check what can be checked of docstrings: `python scripts/check_prose.py [FOLDER ...]`.
+"""Check the style of docstrings: `python scripts/check_prose.py [FOLDER ...]`.
 
-Lines under Attributes and Args are shown by `--help`, where they stand alone: they begin with a capital letter and are
+`--help` shows the lines under Attributes and Args, where they stand alone: they begin with a capital letter and are
 whole phrases, not the end of "seed: of …". A docstring begins with a verb or a noun phrase.
 """
 
@@ -12,20 +12,20 @@ from pathlib import Path
 
 SECTIONS = ("Args:", "Attributes:", "Raises:")
 FRAGMENTS = ("Of", "That", "Those", "The same", "As", "By", "So", "To be")
-"""Words with which no line under Attributes or Args begins, since they lean on the name before the colon."""
+"""Words that must not begin a line under Attributes or Args, since they continue the name before the colon."""
 OPENINGS = ("Of", "How", "Why", "What", "Which", "Where", "When", "That", "Those", "So", "As")
-"""Words with which no docstring begins."""
+"""Words that must not begin a docstring."""
 
 
 def main(folders: list[str]) -> int:
-    """Print what is wrong and return the exit code."""
+    """Print the problems and return the exit code."""
     found = [line for folder in folders for path in sorted(Path(folder).rglob("*.py")) for line in check_file(path)]
     print(*found, sep="\n", end="\n" if found else "")
     return 1 if found else 0
 
 
 def check_file(path: Path) -> Iterator[str]:
-    """What is wrong with the docstrings of a file."""
+    """Yield the problems of the docstrings in a file."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef | ast.Module):
             text = ast.get_docstring(node)
@@ -35,7 +35,7 @@ def check_file(path: Path) -> Iterator[str]:
 
 
 def check_docstring(text: str) -> Iterator[tuple[int, str]]:
-    """Line numbers and problems of a docstring."""
+    """Yield the line number and the text of each problem of a docstring."""
     lines = text.splitlines()
     if _begins_with(lines[0], OPENINGS):
         yield 0, f"begins with '{lines[0].split()[0]}', expected a verb or a noun phrase: {lines[0]}"

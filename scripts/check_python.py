@@ -1,4 +1,4 @@
-"""Exit with one sentence unless this Python can make the project's virtual environment. Runs on any Python."""
+"""Exit with one sentence unless this Python can create the project's virtual environment. Runs on any Python."""
 
 import importlib
 import sys
@@ -7,7 +7,7 @@ MINIMUM = (3, 11)
 
 
 def complaint():
-    """What is missing, or None."""
+    """Return a sentence that names what is missing, or None."""
     if sys.version_info < MINIMUM:
         return "ictamp_drake needs Python %d.%d or newer, and %s is %d.%d; name another: make PYTHON=python3.12 ..." % (
             MINIMUM + (sys.executable,) + tuple(sys.version_info[:2])

@@ -1,7 +1,7 @@
-"""Draw which room imports which, from the imports themselves: `python scripts/draw_rooms.py`.
+"""Draw the imports between rooms, as found in the code: `python scripts/draw_rooms.py`.
 
 The drawing is `docs/images/rooms.svg`, which docs/architecture.md shows. A room stands one floor above the highest
-room that it imports. An arrow is left out where others lead the same way.
+room that it imports. Arrows that follow from other arrows are left out.
 """
 
 from collections import defaultdict
@@ -26,7 +26,7 @@ WIDTH, HEIGHT, GAP, FLOOR, MARGIN = 130, 36, 26, 74, 14
 """Width and height of a box, gap between boxes, height of a floor, and margin [px]."""
 
 LANE = 8
-"""Width that a passing arrow takes in a row [px]."""
+"""Width of a passing arrow in a row [px]."""
 
 SWEEPS = 100
 """Passes over the rows; the first half also orders them."""
@@ -36,7 +36,7 @@ PULL = 0.8
 
 
 def read_imports() -> Imports:
-    """For each room the rooms that it imports; what neither imports nor is imported is left out."""
+    """Return the imports of each room. Rooms that neither import nor are imported are left out."""
     graph = grimp.build_graph(PACKAGE, cache_dir=None)
     rooms = sorted(graph.find_children(PACKAGE))
 
@@ -48,7 +48,7 @@ def read_imports() -> Imports:
 
 
 def find_floors(imports: Imports) -> dict[str, int]:
-    """The floor of each room, from 0 at the bottom."""
+    """Return the floor of each room, counted from 0 at the bottom."""
 
     @cache
     def floor(room: str) -> int:
@@ -58,7 +58,7 @@ def find_floors(imports: Imports) -> dict[str, int]:
 
 
 def find_arrows(imports: Imports) -> list[tuple[str, str]]:
-    """The imports that do not follow from others."""
+    """Return the imports that do not follow from others."""
 
     @cache
     def reached(room: str) -> frozenset[str]:
@@ -73,7 +73,7 @@ def find_arrows(imports: Imports) -> list[tuple[str, str]]:
 
 
 def draw(imports: Imports) -> str:
-    """The drawing as SVG text."""
+    """Return the drawing as SVG text."""
     floors, arrows = find_floors(imports), find_arrows(imports)
     chains = [_chain(arrow, floors) for arrow in arrows]
     rows = _make_rows(floors, chains)
@@ -101,14 +101,14 @@ def _name(module: str) -> str:
 
 
 def _chain(arrow: tuple[str, str], floors: Mapping[str, int]) -> list[str]:
-    """The rooms of an arrow, with a lane for each floor that it passes."""
+    """Return the rooms of an arrow, with a lane on each floor that it passes."""
     above, below = arrow
     lanes = [f"{above}>{below}>{floor}" for floor in range(floors[above] - 1, floors[below], -1)]
     return [above, *lanes, below]
 
 
 def _make_rows(floors: Mapping[str, int], chains: Sequence[Sequence[str]]) -> list[list[str]]:
-    """What stands on each floor: rooms and lanes."""
+    """Return the rooms and lanes on each floor."""
     rows: list[list[str]] = [[] for _ in range(max(floors.values()) + 1)]
     for room in sorted(floors):
         rows[floors[room]].append(room)
@@ -139,14 +139,14 @@ def _place(rows: Sequence[list[str]], chains: Sequence[Sequence[str]]) -> dict[s
 
 
 def _spread(row: Sequence[str], wanted: Mapping[str, float]) -> dict[str, float]:
-    """Places near the wanted ones, in the order of the row, with gaps."""
+    """Return places near the wanted ones, in the order of the row, with gaps."""
     rightwards = _push(row, wanted)
     leftwards = _push(row[::-1], {node: -place for node, place in wanted.items()})
     return {node: (rightwards[node] - leftwards[node]) / 2 for node in row}
 
 
 def _push(row: Sequence[str], wanted: Mapping[str, float]) -> dict[str, float]:
-    """Places at or beyond the wanted ones, each clear of the one before."""
+    """Return places at or beyond the wanted ones, each clear of the previous one."""
     places: dict[str, float] = {}
     edge = -inf
     for node in row:
@@ -160,7 +160,7 @@ def _width(node: str) -> float:
 
 
 def _arrow(points: Sequence[Point]) -> str:
-    """A smooth line from below the first point to above the last one."""
+    """Return a smooth line from below the first point to above the last one."""
     (x, y), *_, (x_end, y_end) = points
     corners = [(x, y + HEIGHT / 2), *points[1:-1], (x_end, y_end - HEIGHT / 2)]
     path = f"M{corners[0][0]:g} {corners[0][1]:g}"

@@ -9,7 +9,7 @@ from typing import Literal
 from ictamp_drake.core.errors import Code, IctampError
 
 POSITIVE = math.ulp(0.0)
-"""Least number above 0, as the lower end of a range."""
+"""Smallest number above 0, as the lower end of a range."""
 FINITE = sys.float_info.max
 """Greatest finite number, as the upper end of a range."""
 
@@ -27,13 +27,13 @@ def check_range(field: str, value: float, low: float, high: float, unit: str = "
 
 
 def check_fields(config: object, where: str, **ranges: tuple[float, float]) -> None:
-    """Raise IctampError unless fields of a dataclass are in their ranges; `where` leads to it on the command line."""
+    """Raise IctampError unless fields of a dataclass are in their ranges; `where` is its path on the command line."""
     for name, (low, high) in ranges.items():
         check_range(f"{where}.{name.replace('_', '-')}", getattr(config, name), low, high)
 
 
 def check_interval(field: str, ends: Sequence[float], low: float, high: float) -> None:
-    """Raise IctampError unless `ends` are two numbers from `low` to `high`, in their order."""
+    """Raise IctampError unless `ends` are two numbers from `low` to `high`, in ascending order."""
     check_vector(field, ends, low, high, count=2)
     if ends[0] > ends[1]:
         raise IctampError(Code.OUT_OF_RANGE, "expected the lower end first, got {value}", field=field, value=ends)
@@ -42,7 +42,7 @@ def check_interval(field: str, ends: Sequence[float], low: float, high: float) -
 def check_vector(
     field: str, values: Sequence[float], low: float, high: float, unit: str = "", *, count: Literal[2, 3, 7] | None = 3
 ) -> None:
-    """Raise IctampError unless `values` are so many numbers, None for any, each from `low` to `high`."""
+    """Raise IctampError unless `values` are `count` numbers (None: any number), each from `low` to `high`."""
     if count is not None and len(values) != count:
         expected = f"expected {_WORDS[count]} numbers, got {{value}}"
         raise IctampError(Code.WRONG_LENGTH, expected, field=field, value=values)
@@ -66,14 +66,14 @@ def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
 
 
 def check_different(field: str, values: Sequence[object]) -> None:
-    """Raise IctampError when a value is there more than once."""
+    """Raise IctampError when a value occurs more than once."""
     for value in values:
         if values.count(value) > 1:
             raise IctampError(Code.REPEATED, "expected different values, got {value} twice", field=field, value=value)
 
 
 def check_names(**sections: Iterable[str]) -> None:
-    """Raise IctampError unless the names of all sections can be in one PDDL problem, where case does not count."""
+    """Raise IctampError unless the names of all sections fit into one PDDL problem, which ignores case."""
     seen = set()
     for field, name in ((f"{section}.{name}", name) for section, names in sections.items() for name in names):
         other = f"choose another name, e.g. {name}_1"

@@ -1,4 +1,4 @@
-"""From plain data, as YAML and JSON have it, to frozen dataclasses: scenes, plans, records, networks."""
+"""Decode plain data, as read from YAML and JSON, into frozen dataclasses: scenes, plans, records, networks."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -18,13 +18,13 @@ _COUNTS = {2: "two", 3: "three", 4: "four", 7: "seven"}
 
 
 def decode(schema: type[T], raw: object, where: str = "") -> T:
-    """The dataclass `schema` from a mapping; `where` is the mapping's place in the file, e.g. boxes.red_box.
+    """Build the dataclass `schema` from a mapping; `where` is the mapping's place in the file, e.g. boxes.red_box.
 
-    Fields may be of other dataclasses, dict[str, …], tuple[…], unions, literals, numbers, text and truth values; what
-    is annotated with another type is taken as it is. Numbers may be written as text, since YAML takes 1e-3 for one.
+    Fields may hold other dataclasses, dict[str, …], tuple[…], unions, literals, numbers, text and truth values. Values
+    of fields with any other annotation are not converted. Numbers may be given as text, since YAML reads 1e-3 as text.
 
     Raises:
-        IctampError: An unknown or missing field, or a value that is of the wrong type or refused by the dataclass.
+        IctampError: A field is unknown or missing, or its value has the wrong type or is refused by the dataclass.
     """
     fields, hints = _fields(schema)  # type: ignore[arg-type]  # a class can be hashed
     values = {}
@@ -46,10 +46,10 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
 
 
 def mapping(raw: object, where: str = "") -> Mapping[str, object]:
-    """The value itself when it is a mapping whose keys are all text.
+    """Return the value unchanged if it is a mapping whose keys are all text.
 
     Raises:
-        IctampError: It is not.
+        IctampError: The value is not such a mapping.
     """
     if not isinstance(raw, dict):
         raise IctampError(Code.WRONG_TYPE, "expected a mapping (name: value), got {value}", field=where, value=raw)
@@ -63,7 +63,7 @@ def mapping(raw: object, where: str = "") -> Mapping[str, object]:
 
 @cache
 def _fields(schema: type) -> tuple[dict[str, bool], dict[str, Any]]:
-    """By name, which fields must be there and what they hold."""
+    """Return whether each field is required, and the type of each field, both by name."""
     required = {
         field.name: field.default is field.default_factory is dataclasses.MISSING
         for field in dataclasses.fields(schema)
@@ -73,7 +73,7 @@ def _fields(schema: type) -> tuple[dict[str, bool], dict[str, Any]]:
 
 
 def _value(hint: Any, raw: object, where: str) -> object:
-    """The value as the type that a field is annotated with."""
+    """Convert the value to the annotated type of its field."""
     origin, parts = get_origin(hint), get_args(hint)
     if dataclasses.is_dataclass(hint):
         return decode(hint, raw, where)  # type: ignore[arg-type]
@@ -101,7 +101,7 @@ def _scalars(hint: Any, raw: object, where: str) -> object:
 
 
 def _some(hint: Any) -> Any:
-    """What an optional field holds when it holds something."""
+    """Type of an optional field when it is not None."""
     (some,) = (part for part in get_args(hint) if part is not NoneType)
     return some
 
@@ -119,7 +119,7 @@ def _items(hint: Any, raw: list[object] | tuple[object, ...], where: str) -> tup
 
 
 def _scalar(kind: type, raw: object) -> object:
-    """A value of the kind: a number may be written as text, but nothing else for another."""
+    """Return a value of the kind; a number may be written as text, and no other conversion is allowed."""
     if type(raw) is kind:
         return raw
     if kind not in _NUMBERS or type(raw) not in (int, float, str):
@@ -136,7 +136,7 @@ def _wrong_type(hint: Any, raw: object, where: str) -> IctampError:
 
 
 def _describe(hint: Any) -> str:
-    """What a field holds, in words."""
+    """Describe the values of a field in words."""
     if get_origin(hint) is not tuple:
         return _NAMES[hint][0]
     kind, *rest = get_args(hint)

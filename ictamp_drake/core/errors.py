@@ -1,4 +1,4 @@
-"""Errors that a user can mend. Everything that goes wrong inside a search is a `Failure`, not an error."""
+"""Errors that a user can fix. Everything that goes wrong inside a search is a `Failure`, not an error."""
 
 import reprlib
 from collections.abc import Iterable, Sequence
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 class Code(StrEnum):
-    """What kind of mistake an error is about. Codes are stable; sentences are not."""
+    """Kind of mistake. Codes are stable; the sentences of errors are not."""
 
     # One value
     OUT_OF_RANGE = "out-of-range"
@@ -54,12 +54,12 @@ class Code(StrEnum):
 
 @dataclass(frozen=True)
 class Where:
-    """The place of a mistake. What is not known is empty.
+    """Place of a mistake. Fields that are not known are empty.
 
     Attributes:
         file: File or folder, or the name of a scene that was made in Python.
-        line: Line of the file, from 1.
-        field: Path of the field, e.g. boxes.red_box.size or start.joints[2]; of an option, e.g. planners.els.p-w.
+        line: Line of the file, counted from 1.
+        field: Path of the field, e.g. boxes.red_box.size or start.joints[2], or of the option, e.g. planners.els.p-w.
     """
 
     file: str = ""
@@ -77,10 +77,10 @@ class IctampError(Exception):
     Attributes:
         code: Kind of the mistake.
         where: Place of the mistake.
-        problem: What is wrong there, without the place; "{value}" stands for the value.
-        value: The value that is refused, None if there is none.
-        choices: Values that are valid there, empty if they cannot be listed.
-        advice: What would help, e.g. "choose another --out"; may be empty.
+        problem: Description of the mistake without its place; "{value}" stands for the value.
+        value: Refused value; None if there is none.
+        choices: Values that would be valid there; empty if they cannot be listed.
+        advice: Advice on how to fix it, e.g. "choose another --out"; may be empty.
     """
 
     def __init__(
@@ -104,23 +104,23 @@ class IctampError(Exception):
         self.advice = advice
 
     def add_field(self, field: str) -> None:
-        """Say that the field is part of another one, e.g. size of boxes.red_box."""
+        """Put the path of the enclosing field in front, e.g. boxes.red_box before size."""
         self.where = replace(self.where, field=join_fields(field, self.where.field))
 
     def add_file(self, file: Path | str, line: int | None = None) -> None:
-        """Name the file, and the line if it is known, unless the error has a file."""
+        """Add the file, and the line if it is known, unless the error has a file already."""
         if not self.where.file:
             self.where = replace(self.where, file=str(file), line=self.where.line or line)
 
     def __str__(self) -> str:
-        """E.g. "scene.yaml, line 7: boxes.red_box.size: expected three numbers, got [1, 2]"."""
+        """Return e.g. "scene.yaml, line 7: boxes.red_box.size: expected three numbers, got [1, 2]"."""
         problem = self.problem.replace("{value}", show(self.value))
         choices = f"choose from: {', '.join(self.choices)}" if self.choices else ""
         return ": ".join(filter(None, [str(self.where), "; ".join(filter(None, [problem, choices, self.advice]))]))
 
 
 def join_fields(field: str, rest: str) -> str:
-    """The path of a part of a field; either may be empty."""
+    """Join the path of a field and that of a part of it; either may be empty."""
     return field + rest if not field or not rest or rest.startswith("[") else f"{field}.{rest}"
 
 
@@ -139,7 +139,7 @@ class _Shown(reprlib.Repr):
 
 
 def show(value: object) -> str:
-    """The value as a message quotes it, on one line and not too long."""
+    """Return the value as messages quote it: on one line, abbreviated if it is long."""
     if isinstance(value, Path):
         value = str(value)
     text = _Shown().repr(list(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else value)

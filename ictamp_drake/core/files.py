@@ -1,4 +1,4 @@
-"""Folders that can be written, files that appear whole or not at all, and what is read from them."""
+"""Make writable folders, write files that appear whole or not at all, and read JSON files."""
 
 import errno
 import os
@@ -13,10 +13,10 @@ from ictamp_drake.core.reading import in_file, parse_json, read_bytes
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder with all above it, unless it is there.
+    """Make a folder and its parents, unless it exists.
 
     Raises:
-        IctampError: that cannot be done, or nothing can be written to it.
+        IctampError: The folder cannot be made or is not writable.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -35,7 +35,7 @@ def write_whole(path: Path | str, text: str) -> None:
 
 @contextmanager
 def whole(path: Path | str) -> Iterator[Path]:
-    """Temporary file that takes the place of `path` when the block ends, and is removed when the block fails."""
+    """Yield a temporary file that replaces `path` when the block ends, and is removed when the block fails."""
     temporary = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
     try:
         yield temporary
@@ -45,10 +45,10 @@ def whole(path: Path | str) -> Iterator[Path]:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Read the object in a file.
+    """Read the JSON object in a file.
 
     Raises:
-        IctampError: The file cannot be read, or is not an object of JSON.
+        IctampError: The file cannot be read, or does not hold a JSON object.
     """
     with in_file(path):
         return dict(mapping(parse_json(read_bytes(path))))

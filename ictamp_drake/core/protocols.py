@@ -1,7 +1,7 @@
-"""The plug-in points. Each is one or two methods; one file per implementation, one contract test for all.
+"""Protocols of the replaceable parts. Each has one or two methods, and one contract test for all implementations.
 
-A part comes from a `Config`, a frozen dataclass of its constants. What core does not know is a type parameter here: the
-tree, why there is no motion, what a part is made from.
+A `Config`, a frozen dataclass of a part's constants, creates the part. Types that core does not know are type
+parameters here: the tree, the refusal of a motion, the context from which a part is created.
 """
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
@@ -34,10 +34,10 @@ Tree_contra = TypeVar("Tree_contra", contravariant=True)
 
 @runtime_checkable
 class Config(Protocol[Context_contra, Part_co]):
-    """Configuration of a part: a frozen dataclass of its constants. Parts of all kinds are made by the same call."""
+    """Configuration of a part: a frozen dataclass of its constants. Parts of all kinds are created by the same call."""
 
     def create(self, context: Context_contra, /) -> Part_co:
-        """The part for one search, made from what its kind is given."""
+        """Create the part for one search from the context that parts of its kind receive."""
 
 
 @runtime_checkable
@@ -53,18 +53,18 @@ class PlanGenerator(Protocol):
 
     @property
     def exhausted(self) -> bool:
-        """True when no further plan can come."""
+        """Whether no further plan can come."""
 
     @property
     def expanded(self) -> int:
-        """Nodes expanded since the start."""
+        """Number of nodes expanded since the start."""
 
     def next_plan(self, max_expansions: int, obstructions: frozenset[Obstruction] = frozenset()) -> Skeleton | None:
-        """Expand at most `max_expansions` nodes and return the first new plan met (Algorithm 3), else None.
+        """Expand at most `max_expansions` nodes and return the first new plan found (Algorithm 3), else None.
 
         Args:
-            max_expansions: in this call.
-            obstructions: what the plan is to get out of the way, as far as the generator can see to it.
+            max_expansions: Limit for this call.
+            obstructions: Boxes that the plan should move out of the way, if the generator supports that.
         """
 
 
@@ -72,39 +72,38 @@ class Abstraction(Protocol[C_contra]):
     """H: C -> S."""
 
     def __call__(self, c: C_contra) -> State:
-        """The symbolic state of c, evaluated, never assumed."""
+        """Evaluate the symbolic state of c; it is never assumed."""
 
 
 class SkillRunner(Protocol[C]):
-    """ψ, all skills behind one door: the planner says which action, the runner tries it once."""
+    """ψ, all skills behind one interface: the planner chooses the action, and the runner tries it once."""
 
     @property
     def draws(self) -> int:
-        """Parameters k that an attempt draws at most, until one has a motion."""
+        """Maximum number of parameters k that an attempt draws until one has a motion."""
 
     def attempt(
         self, c: C, action: Action, promised: State, rng: np.random.Generator, k: Parameter | None = None
     ) -> Attempt[C]:
-        """Run ψ_a once from c, with k or one that is drawn; the attempt succeeds when H(c') equals `promised`."""
+        """Run ψ_a once from c, with the given or a drawn k; the attempt succeeds when H(c') equals `promised`."""
 
 
 class Estimator(Protocol[C_contra]):
     """P: estimated probability that ψ_a, run from c, ends in the state that a promises."""
 
     def estimate(self, options: Sequence[tuple[C_contra, Skeleton]]) -> FloatArray:
-        """P of running the first action of each plan from c, in one call, shape (len(options),), each in [0, 1].
+        """Estimate P of the first action of each plan, run from c; shape (len(options),), each in [0, 1].
 
-        A plan starts in H(c) and has an action at least. Those after the first are of interest to estimators that
-        look ahead.
+        A plan starts in H(c) and has at least one action. Later actions matter only to estimators that look ahead.
         """
 
 
 class PlanParameters(NamedTuple):
-    """What was found for a whole plan.
+    """Best parameters found for a whole plan.
 
     Attributes:
-        value: estimated probability that all of it succeeds.
-        k: of its actions, shape (len(plan), 4).
+        value: Estimated probability that the whole plan succeeds.
+        k: Parameters of the plan's actions, shape (len(plan), 4).
     """
 
     value: float
@@ -113,49 +112,49 @@ class PlanParameters(NamedTuple):
 
 @runtime_checkable
 class PlanOptimizer(Protocol[C_contra]):
-    """An estimator that can also say with which parameters a whole plan is the most likely to succeed."""
+    """An estimator that can also find the parameters with which a whole plan is most likely to succeed."""
 
     def optimize(self, options: Sequence[tuple[C_contra, Skeleton]], rng: np.random.Generator) -> list[PlanParameters]:
-        """The best parameters that were found for each plan from its configuration."""
+        """Return the best parameters found for each plan from its configuration."""
 
 
 class Sampler(Protocol[C_contra]):
     """A source of skill parameters k."""
 
     def draws(self, c: C_contra, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
-        """Any number of k for the action from c, the most promising first, or why there is none.
+        """Yield any number of k for the action from c, the most promising first, or the failure if there is none.
 
-        An attempt takes them one after the other until it has a motion. It ends with a failure, whatever comes after.
+        An attempt tries them one after the other until one has a motion. A failure ends the attempt, whatever follows.
         """
 
 
 class Skill(Protocol[Refusal_co]):
-    """ψ_a, what turns k into a motion."""
+    """ψ_a, which turns k into a motion."""
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal_co:
-        """The motion that carries out the action from c with parameter k, or what is in its way."""
+        """Return the motion that carries out the action from c with parameter k, or the reason why there is none."""
 
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
-        """Where the motion ends if all goes well; asked only when plans run in physics as a whole."""
+        """Predict where the motion ends if all goes well; called only when plans run in physics as a whole."""
 
 
 class SelectionRule(Protocol[Tree_contra, Option_co]):
-    """A search strategy. One rule serves one search, so it may remember what it computed for a node."""
+    """A search strategy. One rule serves one search, so it may cache values of nodes."""
 
     def choose(self, tree: Tree_contra, rng: np.random.Generator, /) -> Option_co:
-        """The next computational action.
+        """Choose the next computational action.
 
-        Called while there is anything to do: the generator is not exhausted, or a plan is open. A rule that rolls
-        plans out looks at `tree.log[-1]`: whatever comes next is its own decision after every single step.
+        Called as long as the generator is not exhausted or a plan is open. Rules decide anew after every single step;
+        a rule that rolls plans out looks at `tree.log[-1]` to continue the rollout.
         """
 
 
 @dataclass(frozen=True)
 class RuleContext(Generic[C]):
-    """What a selection rule is made from.
+    """Context from which a selection rule is created.
 
     Attributes:
-        estimator: P.
+        estimator: Estimator of P.
     """
 
     estimator: Estimator[C]
@@ -163,11 +162,11 @@ class RuleContext(Generic[C]):
 
 @runtime_checkable
 class NeedsEstimator(Protocol):
-    """Configuration of a rule that works with one estimator only, whatever else is chosen."""
+    """Configuration of a rule that works with one estimator only, whichever the user chose."""
 
     @property
     def estimator(self) -> tuple[str, Mapping[str, object]]:
-        """Name of the estimator, and the constants of it that the rule sets."""
+        """Name of the estimator, and the constants that the rule sets for it."""
 
 
 class Guide(Protocol):
@@ -175,10 +174,10 @@ class Guide(Protocol):
 
     @property
     def horizon(self) -> float:
-        """Plans of up to this many actions are ordered rightly; raised by `grow`."""
+        """Number of actions up to which plans are ordered correctly; `grow` raises it."""
 
     def estimate_distance(self, state: State) -> float:
-        """Actions from the state to the goal, as far as known; infinite when no way is known."""
+        """Estimate the number of actions from the state to the goal; infinite when no way is known."""
 
     def grow(self) -> None:
         """Expand one state to learn more; called only while the horizon is finite."""

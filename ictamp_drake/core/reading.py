@@ -1,4 +1,4 @@
-"""From files to plain data, with limits, and errors that say where in the file they are."""
+"""Read files as plain data, with limits, and with errors that name the line."""
 
 import json
 import re
@@ -13,20 +13,20 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.spelling import spellings
 
 MAX_BYTES = 64 * 2**20
-"""Largest file that is read [bytes]."""
+"""Size of the largest file that is read [bytes]."""
 MAX_NODES = 2_000_000
-"""Most mappings, lists and scalars of a YAML document, with its aliases written out."""
+"""Maximum number of mappings, lists and scalars in a YAML document with expanded aliases."""
 MAX_DEPTH = 60
-"""Deepest nesting of a YAML document, low enough for functions that call themselves once a level."""
+"""Maximum nesting depth of a YAML document, low enough for functions that recurse once per level."""
 
 _TOO_DEEP = f"expected values nested at most {MAX_DEPTH} deep"
 
 
 class _Strict:
-    """What PyYAML's safe loaders do not do: they keep the last of repeated keys and tell no place of a value."""
+    """Checks that PyYAML's safe loaders lack: repeated keys are errors, and errors of values name the line."""
 
     def get_single_node(self) -> yaml.Node | None:
-        """The document as it is written, before merging (<<) adds to its mappings."""
+        """Return the document as written, before merge keys (<<) add to its mappings."""
         node: yaml.Node | None = super().get_single_node()  # type: ignore[misc]
         _refuse_repeated(node, set())
         return node
@@ -41,15 +41,15 @@ class _Strict:
 
 
 class _PythonLoader(_Strict, yaml.SafeLoader):
-    """PyYAML's own, whose words for a mistake are the better ones."""
+    """PyYAML's own loader, which has the better error messages."""
 
 
 class _Loader(_Strict, getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    """That of libyaml where it is installed, ten times faster."""
+    """Loader of libyaml where it is installed, ten times faster."""
 
 
 def _refuse_repeated(node: yaml.Node | None, seen: set[int]) -> None:
-    """Raise IctampError when a mapping in the node, or it itself, has a key twice; aliases may lead to nodes `seen`."""
+    """Raise IctampError when the node, or a mapping in it, repeats a key; skip nodes `seen` before through an alias."""
     if isinstance(node, yaml.ScalarNode) or node is None or id(node) in seen:
         return
     seen.add(id(node))
@@ -68,10 +68,10 @@ def _line(node: yaml.Node) -> int:
 
 
 def read_bytes(path: Path | str) -> bytes:
-    """Content of a file.
+    """Read the content of a file.
 
     Raises:
-        IctampError: It cannot be read, or is larger than `MAX_BYTES`.
+        IctampError: The file cannot be read, or is larger than `MAX_BYTES`.
     """
     try:
         with Path(path).open("rb") as file:
@@ -84,10 +84,10 @@ def read_bytes(path: Path | str) -> bytes:
 
 
 def read_text(path: Path | str) -> str:
-    """Text of a file.
+    """Read the text of a file.
 
     Raises:
-        IctampError: It cannot be read, is too large or is not UTF-8.
+        IctampError: The file cannot be read, is too large or is not UTF-8.
     """
     try:
         return read_bytes(path).decode("utf-8")
@@ -96,10 +96,10 @@ def read_text(path: Path | str) -> str:
 
 
 def parse(text: str) -> object:
-    """A YAML document as plain mappings, lists and scalars.
+    """Parse a YAML document into plain mappings, lists and scalars.
 
     Raises:
-        IctampError: A syntax error, an impossible value, a key used twice, or too large or deep a document.
+        IctampError: A syntax error, an impossible value, a repeated key, or a document that is too large or too deep.
     """
     try:
         with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
@@ -115,10 +115,10 @@ def parse(text: str) -> object:
 
 
 def parse_json(text: str | bytes) -> Any:
-    """A JSON document as plain mappings, lists and scalars.
+    """Parse a JSON document into plain mappings, lists and scalars.
 
     Raises:
-        IctampError: A syntax error, or too deep a document.
+        IctampError: A syntax error, or a document that is nested too deeply.
     """
     try:
         return json.loads(text)
@@ -130,7 +130,7 @@ def parse_json(text: str | bytes) -> Any:
 
 @contextmanager
 def in_file(path: Path | str) -> Iterator[None]:
-    """Name the file in errors of a block, with the line of the field where it is a file of YAML."""
+    """Add the file to errors of a block, and for YAML files the line of the field."""
     try:
         yield
     except IctampError as error:

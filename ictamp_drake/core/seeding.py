@@ -1,4 +1,4 @@
-"""Random streams: explicit generators handed down, apart for data, training and evaluation."""
+"""Random generators, passed explicitly, with separate streams for data, training and evaluation."""
 
 from enum import IntEnum
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Stream(IntEnum):
-    """What the numbers are for; streams of one seed never overlap."""
+    """Purpose of the random numbers; streams of one seed never overlap."""
 
     EVALUATION = 0
     DATA = 1
@@ -15,8 +15,8 @@ class Stream(IntEnum):
 
 
 def generator(stream: Stream, *seed: int) -> np.random.Generator:
-    """A generator for the stream, keyed by any number of non-negative integers (seed, problem number, ...).
+    """Return a generator of the stream, keyed by any number of non-negative integers (seed, problem number, ...).
 
-    The number of keys is one of them, since a SeedSequence ignores zeros at its end.
+    The number of keys is a key too, since a SeedSequence ignores trailing zeros.
     """
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence((int(stream), len(seed), *seed))))

@@ -7,11 +7,11 @@ from types import MappingProxyType
 
 
 class Stopwatch:
-    """Adds up the computing time of named stages, by default the processor time of this process.
+    """Add up the computing time of named stages, by default the processor time of this process.
 
     Args:
-        clock: seconds from any origin.
-        seconds: those of stages to begin with.
+        clock: Function that returns the time from any origin [s].
+        seconds: Initial times of the stages [s].
     """
 
     def __init__(
@@ -22,12 +22,12 @@ class Stopwatch:
 
     @property
     def seconds(self) -> dict[str, float]:
-        """A copy of the seconds by stage."""
+        """Copy of the times by stage [s]."""
         return self._seconds.copy()
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Count the block's time for the stage."""
+        """Add the block's time to the stage."""
         start = self._clock()
         try:
             yield

@@ -1,7 +1,8 @@
-"""The letters of the paper as types: c, s, a, p, k, and what one run of a skill leaves.
+"""The letters of the paper as types: c, s, a, p, k; and the result of one run of a skill.
 
-Frames are in names, monogram style: `X_WO` is the pose of O in W, `p_OG` the position of G in O. Metres, radians,
-seconds, kilograms. A pose is an array of seven numbers, unit quaternion (w, x, y, z) then position (x, y, z).
+Names carry frames in monogram style: `X_WO` is the pose of O in W, `p_OG` the position of G in O. Units are meters,
+radians, seconds and kilograms. A pose is an array of seven numbers: unit quaternion (w, x, y, z), then position
+(x, y, z).
 """
 
 from collections.abc import Hashable, Mapping
@@ -22,10 +23,10 @@ C = TypeVar("C", bound=Hashable)
 Parameter = FloatArray
 """k, the parameter of a skill: (x, y, z, yaw) [m, m, m, rad], shape (4,).
 
-Pick: pose of the grasp frame G in the object's upright frame U, whose origin is the box's centre and whose z axis is
-the box axis nearest to the world's vertical, pointing up; G's z axis points down, yaw turns G about the vertical.
-Place: pose of the bottom centre of the held object in the receptacle's frame T, whose origin is the centre of its top
-face; yaw turns the object's upright frame against T's.
+Pick: pose of the grasp frame G in the object's upright frame U. U's origin is the box's center, and its z axis is the
+box axis nearest to the world's vertical, pointing up. G's z axis points down, and yaw turns G about the vertical.
+Place: pose of the bottom center of the held object in the receptacle's frame T, whose origin is the center of its top
+face. Yaw turns the object's upright frame relative to T.
 """
 
 
@@ -40,7 +41,7 @@ class Atom(NamedTuple):
 
 
 State = frozenset[Atom]
-"""s = H(c), the atoms that hold; whatever is absent is false."""
+"""s = H(c), the atoms that hold; absent atoms are false."""
 
 
 class Action(NamedTuple):
@@ -54,7 +55,7 @@ class Action(NamedTuple):
 
 
 class Obstruction(NamedTuple):
-    """A box that is in the way of an action where it stood at first."""
+    """A box that blocks an action from its initial pose."""
 
     action: Action
     box: str
@@ -65,7 +66,7 @@ class Skeleton:
     """p = (s_0, a_1, s_1, ..., a_n, s_n), a high-level plan (paper, Problem Formulation).
 
     Raises:
-        ValueError: unless there is exactly one state more than actions.
+        ValueError: There is not exactly one more state than actions.
     """
 
     states: tuple[State, ...]
@@ -79,7 +80,7 @@ class Skeleton:
         return len(self.actions)
 
     def suffix(self, start: int) -> "Skeleton":
-        """The rest of the plan from its state number `start` on."""
+        """Return the rest of the plan from its state number `start` on."""
         return Skeleton(self.states[start:], self.actions[start:])
 
 
@@ -91,11 +92,11 @@ def _freeze(array: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class GripperCommand:
-    """What the hand is told, in the terms of Franka's own `move` and `grasp` commands.
+    """A command to the hand, in terms of Franka's own `move` and `grasp` commands.
 
     Attributes:
-        width: distance between the finger pads to go to [m].
-        force: grip force of each finger beyond that position [N], 0 to release.
+        width: Distance between the finger pads to move to [m].
+        force: Grip force of each finger beyond that position [N], 0 to release.
     """
 
     width: float
@@ -104,17 +105,17 @@ class GripperCommand:
 
 @dataclass(frozen=True, eq=False)
 class Configuration:
-    """c, everything that the simulator needs to go on. Immutable, picklable, compared bit for bit.
+    """c, the complete state from which the simulator continues. Immutable, picklable, compared bit for bit.
 
     Attributes:
-        q: joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
-        poses: X_WO of every box by name, each of shape (7,).
-        held: the box that the hand grips, or None when it grips nothing.
-        gripper: the last command of the hand; by default as far open as the Panda's goes (`models.hand.MAX_OPENING`).
-        commanded: last commanded positions of the arm, where the next motion starts [rad], shape (7,); by default those
-            of `q`, from which an arm that carries a load differs by a fraction of a milliradian.
-        x: complete state of the simulated plant, positions and velocities in its own order, whose quaternions are not
-            normalised, shape (n,); None when c was not reached by simulation, and then everything is at rest.
+        q: Joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
+        poses: Pose X_WO of every box by name, each of shape (7,).
+        held: Box that the hand grips, or None when it grips nothing.
+        gripper: Last command to the hand; by default the widest opening of the Panda hand (`models.hand.MAX_OPENING`).
+        commanded: Last commanded positions of the arm, where the next motion starts [rad], shape (7,); by default those
+            of `q`, from which they differ by a fraction of a milliradian when the arm carries a load.
+        x: Complete state of the simulated plant, shape (n,): positions and velocities in the plant's order, with
+            quaternions that are not normalized; None when c was not simulated, and then everything is at rest.
     """
 
     q: FloatArray
@@ -152,14 +153,14 @@ class Segment:
     """A piece of a motion: the arm follows a B-spline, or stands still, while the gripper obeys one command.
 
     Attributes:
-        label: what it is for, e.g. "approach", "lower", "grasp".
-        duration: [s].
-        gripper: the command in force from the segment's start, or from when the one before is obeyed.
-        order: order of the B-spline (degree + 1).
-        knots: times from the segment's start [s], shape (n + order,).
-        control_points: arm joint positions [rad], shape (n, 7); a single row means that the arm stands still there.
-        touches: names of the boxes and supports that the arm, or a box in its hand, may touch; empty when it moves
-            freely, None when nothing is known. Physics lets everything else sleep, and wakes it if it is touched.
+        label: Purpose of the segment, e.g. "approach", "lower", "grasp".
+        duration: Duration of the segment [s].
+        gripper: Command to the hand, given at the segment's start or once the previous command is obeyed.
+        order: Order of the B-spline (degree + 1).
+        knots: Times from the segment's start [s], shape (n + order,).
+        control_points: Joint positions of the arm [rad], shape (n, 7); a single row means that the arm stands still.
+        touches: Names of the boxes and supports that the arm, or a box in its hand, may touch; empty when it moves
+            freely, None when nothing is known. Physics lets everything else sleep, and wakes it when touched.
     """
 
     label: str
@@ -172,16 +173,16 @@ class Segment:
 
 
 Motion = tuple[Segment, ...]
-"""The trajectory of one run of a skill, segment after segment, from rest to rest."""
+"""Trajectory of one run of a skill, segment after segment, from rest to rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What a simulation of a motion went through.
+    """States during the simulation of a motion.
 
     Attributes:
-        times: from its start [s], shape (m,).
-        states: of the plant at these times, as in `Configuration.x`, shape (m, n).
+        times: Times from the start of the motion [s], shape (m,).
+        states: States of the plant at these times, as in `Configuration.x`, shape (m, n).
     """
 
     times: FloatArray
@@ -193,16 +194,16 @@ class Attempt(Generic[C]):
     """One run of a skill: one low-level step of the search.
 
     Attributes:
-        action: the high-level action that was tried.
-        failure: None when the action's promised state was reached.
-        successor: c', where the simulation ended; None when nothing was simulated.
-        k: the parameter that was executed or refused last; None when none was found.
-        motion: what was executed, to its end at rest; empty when nothing was simulated.
-        rejections: kinematic failures of the parameters drawn before the last one.
-        seconds: computing time by stage [s].
-        detail: one sentence more than the failure says.
-        obstacles: what the arm or the held box would have touched, by name, once for each parameter refused for that.
-        recording: of the simulation, None when nothing was simulated.
+        action: High-level action that was tried.
+        failure: Cause of the failure; None when the action's promised state was reached.
+        successor: Configuration c' in which the simulation ended; None when nothing was simulated.
+        k: Parameter that was executed, or the last one refused; None when none was found.
+        motion: Executed motion, until everything is at rest; empty when nothing was simulated.
+        rejections: Kinematic failures of the parameters drawn before the last one.
+        seconds: Computing time by stage [s].
+        detail: Sentence that adds to the failure; may be empty.
+        obstacles: Names of what the arm or the held box would have touched, one for each parameter refused for that.
+        recording: Recording of the simulation; None when nothing was simulated.
     """
 
     action: Action
@@ -222,15 +223,15 @@ class Attempt(Generic[C]):
 
     @property
     def tried(self) -> int:
-        """Parameters that were looked at."""
+        """Number of parameters that were tried."""
         return len(self.rejections) + 1
 
     @property
     def duration(self) -> float:
-        """How long the motion takes to execute [s]."""
+        """Time that the motion takes to execute [s]."""
         return sum(segment.duration for segment in self.motion)
 
     @property
     def effort(self) -> float:
-        """Computing time of all stages together [s]."""
+        """Total computing time of all stages [s]."""
         return sum(self.seconds.values())

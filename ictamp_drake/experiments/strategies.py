@@ -1,4 +1,4 @@
-"""The rows of the experiments: strategies by name, and the regimes under which they are compared."""
+"""Strategies of the experiments by name, and the regimes under which they are compared."""
 
 import re
 import shlex
@@ -35,7 +35,7 @@ STRATEGIES: dict[str, Method] = {
     "uniform-k": Method(sampler="uniform"),
     "optimization-constant": Method(sampler="optimization", estimator="constant"),
 }
-"""Sampler, estimator and planner of each strategy; those that ask no estimator name the cheapest one."""
+"""Sampler, estimator and planner of each strategy. Strategies that need no estimator have the cheapest one."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Regime:
     """Conditions under which strategies are compared.
 
     Attributes:
-        method: What all strategies have in common.
-        usual: Names of the strategies that are run unless told otherwise.
+        method: Options that all strategies share.
+        usual: Names of the strategies that run by default.
     """
 
     method: Method
@@ -73,24 +73,24 @@ REGIMES: dict[str, Regime] = {
     "default": Regime(Method(time_limit=60.0), ("p-score", "adaptive", "optimization-constant")),
     "ceiling": Regime(replace(_ONE_DRAW, time_limit=3600.0, max_steps=300), ("p-score", "monte-carlo")),
 }
-"""Paper: one draw of k a step, which is not drawn anew when it has no motion. Default: the options of the package.
-Ceiling: the paper's, but limited by steps alone, so that counting the success of each option has all the time it takes.
+"""Paper: one draw of k per step, which is not repeated when it has no motion. Default: the options of the package.
+Ceiling: as in the paper, but limited only by steps, so that there is time to count the successes of each option.
 """
 
 _NAME = re.compile(r"\w[\w.+-]*")
-"""Of a strategy, and so of a folder for what it leaves."""
+"""Pattern of a strategy's name, which is also a folder's name."""
 
 
 def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Mapping[str, list[Method]]:
-    """For each strategy by name its method, once with each seed.
+    """Return the methods of each strategy by name, one for each seed.
 
     Args:
-        regime: name of a regime.
-        strategies: names of strategies, or NAME=OPTIONS for one that has no name yet; by default those of the regime.
-        seeds: of the search.
+        regime: Name of the regime.
+        strategies: Names of strategies, or NAME=OPTIONS for a new one; by default the usual ones of the regime.
+        seeds: Random seeds of the search.
 
     Raises:
-        IctampError: no such strategy, or two with the same name.
+        IctampError: A strategy does not exist, or two have the same name.
     """
     conditions = REGIMES[regime]
     found = [_parse_strategy(strategy, conditions.method) for strategy in strategies or conditions.usual]
@@ -99,7 +99,7 @@ def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Map
 
 
 def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
-    """Name and method of a strategy under the conditions that all share."""
+    """Return the name and the method of a strategy under the shared conditions."""
     name, defined, options = strategy.partition("=")
     name = respell(name)
     if not defined and name in STRATEGIES:
@@ -121,7 +121,7 @@ def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
 
 
 def _combine(shared: Method, strategy: Method) -> Method:
-    """The conditions of a regime with all that a strategy says: its constants of samplers are those of the regime."""
+    """Apply a strategy to the conditions of a regime. The constants of samplers remain those of the regime."""
     return replace(
         shared,
         sampler=strategy.sampler,

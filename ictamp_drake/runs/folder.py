@@ -51,13 +51,13 @@ def open_run_folder(name: str, work: Mapping[str, Any], conduct: Conduct) -> Ite
     """The folder of a run, made or found again, for this process alone.
 
     Args:
-        name: of new folders, followed by the time.
-        work: what the run is about and how problems are solved: program, level, `options`, ...; this must agree when
-            the run is continued, but `strategies` and `scenes` may be added to those that were there.
-        conduct: says where the folder is.
+        name: Name of new folders, which the time follows.
+        work: Problems of the run and how they are solved: program, level, `options`, ...; these must be the same when
+            the run is continued, except that entries may be added to `strategies` and `scenes`.
+        conduct: Conduct of the run, which gives the place of the folder.
 
     Raises:
-        IctampError: when the folder is not a run, is a run of something else, is in use or cannot be written.
+        IctampError: The folder is not a run, is a run of different work, is in use or cannot be written.
     """
     now = datetime.now().astimezone().isoformat(timespec="seconds")
     session = {"started": now, "conduct": _to_plain(dataclasses.asdict(conduct)), **provenance()}
@@ -108,7 +108,7 @@ def read_config(path: Path) -> dict[str, Any]:
     """The configuration of a run.
 
     Raises:
-        IctampError: the file is not one.
+        IctampError: The file is not the configuration of a run.
     """
     with in_file(path):
         config = dict(respell_options(mapping(parse(read_text(path)))))
@@ -123,12 +123,12 @@ def check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) 
     """Refuse to continue what was made in another way.
 
     Args:
-        path: of its folder.
-        config: how it was made.
-        fixed: how it is to be continued.
+        path: Folder of the existing results.
+        config: Configuration with which they were made.
+        fixed: Configuration with which to continue.
 
     Raises:
-        IctampError: they differ; the sentence names the first option and both of its values.
+        IctampError: The configurations differ; the sentence names the first such option and both of its values.
     """
     config = respell_options(config)
     before, now = (_flatten(_keep_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
@@ -159,7 +159,7 @@ def lock_folder(path: Path) -> Iterator[None]:
     """This process alone works in the folder, until it ends, however it ends.
 
     Raises:
-        IctampError: another process does.
+        IctampError: Another process works in the folder.
     """
     with (path / ".lock").open("w") as lock:
         try:

@@ -1,4 +1,4 @@
-"""What there is to do in a run. Knows no Drake, so that programs can name their work and show their help at once."""
+"""Problems and jobs of a run. This module does not import Drake, so that programs show their help without delay."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Problem:
-    """A scene to be solved.
+    """A scene to solve.
 
     Attributes:
-        name: Name of its record and folder, usually that of its file.
-        spec: The scene.
-        level: One of easy, medium, hard, extreme and varied; None for a scene of one's own.
+        name: Name of the problem's record and folder, usually that of its file.
+        spec: Scene to plan in.
+        level: Level easy, medium, hard, extreme or varied; None for your own scene.
     """
 
     name: str
@@ -34,13 +34,13 @@ class Problem:
 
 @dataclass(frozen=True)
 class Job:
-    """A problem and how it is to be solved.
+    """A problem and the method that solves it.
 
     Attributes:
-        problem: The problem.
+        problem: Problem to solve.
         method: Options and seed.
-        strategy: Name of the method, empty when there is only one.
-        task: The problem's task where it was loaded in this process already; it does not go to another one.
+        strategy: Name of the method; empty when there is only one.
+        task: Task of the problem if this process loaded it already; other processes do not receive it.
     """
 
     problem: Problem
@@ -53,11 +53,11 @@ class Job:
 
     @property
     def name(self) -> str:
-        """Of its record and folder."""
+        """Name of the job's record and folder."""
         return run_name(self.problem.name, self.strategy, self.method.seed)
 
     def make_failure_record(self, reason: str, seconds: float, error: str) -> Record:
-        """The record of a job that did not come to its end."""
+        """Return the record of a job that did not finish."""
         return Record(
             problem=self.problem.name,
             strategy=self.strategy,

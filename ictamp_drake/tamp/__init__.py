@@ -1,1 +1,1 @@
-"""The library itself: a scene, how it is solved, and the plan."""
+"""The library itself: tasks, the method that solves them, and plans."""

@@ -1,4 +1,4 @@
-"""What a run leaves of one problem, besides its record: first what cannot be made again, then the pages."""
+"""Files that a run leaves of one problem, besides its record: first those that cannot be remade, then the pages."""
 
 from pathlib import Path
 from typing import Literal
@@ -10,7 +10,7 @@ Artefacts = Literal["all", "plan", "none"]
 
 
 def write_artefacts(solution: Solution, folder: Path, which: Artefacts) -> None:
-    """Write scene.yaml and, for a verified plan, plan.yaml; for "all" also tree and pictures; for "none" nothing."""
+    """Write scene.yaml and, for a verified plan, plan.yaml; for "all" also the pages; for "none" nothing."""
     if which == "none":
         return
     folder.mkdir(parents=True, exist_ok=True)
@@ -27,7 +27,7 @@ def write_result(solution: Solution, folder: Path) -> None:
 
 
 def write_pages(solution: Solution, folder: Path) -> None:
-    """Write tree and pictures, see `pages.write_pages`."""
-    from ictamp_drake.tamp import pages  # noqa: PLC0415  (what draws takes long to load)
+    """Write the tree, its pictures and the pages, see `pages.write_pages`."""
+    from ictamp_drake.tamp import pages  # noqa: PLC0415  (drawing modules take long to load)
 
     pages.write_pages(solution, folder)

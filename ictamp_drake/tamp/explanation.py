@@ -1,19 +1,22 @@
-"""Why there is no plan: in words for people, and as data for programs."""
+"""Explanation of a search that found no plan: in words for people, and as data for programs."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import PlanningResult, StopReason
+from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, Refusal
 
-SHOWN = 4
-"""Blocked actions, and obstacles of each, that are named in words."""
+if TYPE_CHECKING:
+    from ictamp_drake.core.types import Configuration
+    from ictamp_drake.scenes.spec import SceneSpec
 
 _PARAMETERS = {"pick": "grasps", "place": "placements"}
 _SLOW_GENERATOR = 0.25
-"""Share of the time in which high-level plans were sought, from which on the search for them is to blame."""
+"""Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +25,8 @@ class Blocked:
 
     Attributes:
         action: The action, e.g. pick(red_box, rack).
-        refusals: Number of parameters k that were refused, by cause, the most frequent first.
-        obstacles: Number of k with which the arm or the held box would have touched something, by its name.
+        refusals: Number of refused parameters k by cause, the most frequent first.
+        obstacles: Number of refused k by the name of the obstacle that the arm or the held box would have touched.
     """
 
     action: str
@@ -32,21 +35,32 @@ class Blocked:
 
     @property
     def advice(self) -> str:
-        """What would help against the most frequent cause."""
-        return max(self.refusals, key=lambda cause: self.refusals[cause]).advice
+        """What would help against the most frequent cause; empty if nothing was refused."""
+        worst = max(self.refusals, key=lambda cause: self.refusals[cause], default=None)
+        return "" if worst is None else worst.advice
 
-    def __str__(self) -> str:
-        """E.g. "pick(red_box, rack): 30 of 30 grasps: grasp or placement in collision; in the way: blue_box (30)"."""
+    @property
+    def args(self) -> tuple[str, ...]:
+        """What the action is about, the object that it moves first."""
+        return tuple(self.action.rstrip(")").partition("(")[2].split(", "))
+
+    @property
+    def refused(self) -> str:
+        """E.g. "30 of 30 grasps refused: grasp or placement in collision"."""
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameters k")
-        line = f"{self.action}: {total} of {total} {what}: {list_causes(self.refusals)}"
+        return f"{total} of {total} {what} refused: {list_causes(self.refusals)}"
+
+    def __str__(self) -> str:
+        """E.g. "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
+        line = f"{self.action}: {self.refused}"
         worst = ", ".join(f"{name} ({count})" for name, count in Counter(self.obstacles).most_common(SHOWN))
         return f"{line}; in the way: {worst}" if worst else line
 
 
 @dataclass(frozen=True, kw_only=True)
 class Explanation:
-    """Why a search ended as it did.
+    """Explanation of the outcome of a search.
 
     Attributes:
         stop_reason: Name of a `StopReason`.
@@ -57,6 +71,8 @@ class Explanation:
         verified: False when a plan was carried out to the goal, but failed when it was executed once more.
         planning_time_s: Time of the search [s].
         generating_time_s: Part of it in which high-level plans were sought [s].
+        scene: The scene; None when it is not at hand, as in records.
+        start: c_0, where the search began; None when it is not at hand.
     """
 
     stop_reason: str
@@ -67,10 +83,12 @@ class Explanation:
     verified: bool | None = None
     planning_time_s: float = 0.0
     generating_time_s: float = 0.0
+    scene: "SceneSpec | None" = field(default=None, compare=False, repr=False)
+    start: "Configuration | None" = field(default=None, compare=False, repr=False)
 
     @classmethod
-    def of(cls, result: PlanningResult[Any], planning_time_s: float) -> "Explanation":
-        """The explanation of a search that took so long [s]."""
+    def of(cls, result: PlanningResult[Any], planning_time_s: float, scene: "SceneSpec | None" = None) -> "Explanation":
+        """The explanation of a search in a scene that took so long [s]."""
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
@@ -82,38 +100,86 @@ class Explanation:
             verified=result.verified,
             planning_time_s=planning_time_s,
             generating_time_s=result.seconds_by_stage.get("plan_generator", 0.0),
+            scene=scene,
+            start=result.tree.root.c,
         )
 
     @property
     def reason(self) -> str:
-        """Why the search ended, as a clause."""
+        """Reason why the search ended, as a clause."""
         members = StopReason.__members__
         return str(members[self.stop_reason]) if self.stop_reason in members else self.stop_reason
 
+    @property
+    def is_generator_slow(self) -> bool:
+        """True when much of the time went to finding high-level plans."""
+        return self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s
+
+    @property
+    def solved(self) -> bool:
+        """True when there is nothing to explain."""
+        return self.stop_reason == StopReason.SOLVED.name
+
     def lines(self) -> Iterator[str]:
         """What stood in the way, a sentence each, and what would help."""
-        if self.verified is False:
-            yield "a plan was carried out to the goal, but failed when it was executed once more"
+        remarks = list(self.remarks())
+        first = self.verified is False
+        yield from remarks[:first]
         for blocked in self.blocked[:SHOWN]:
-            yield f"{blocked}; {blocked.advice}"
-        if self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s:
+            yield "; ".join(filter(None, [str(blocked), blocked.advice]))
+        yield from remarks[first:]
+
+    def remarks(self) -> Iterator[str]:
+        """What there is to say besides the blocked actions, a sentence each."""
+        if self.verified is False:
+            yield "a plan reached the goal, but failed when it was executed again"
+        if self.is_generator_slow:
             took = f"{self.generating_time_s:.0f} of {self.planning_time_s:.0f} s went to finding high-level plans"
             yield f"{took}; --generator best-first finds the first one sooner"
         if not self.plans:
             yield "no high-level plan was found"
         elif not self.blocked:
-            failed = f"of {self.steps} steps {sum(self.failures.values())} failed"
+            failed = f"{sum(self.failures.values())} of {self.steps} steps failed"
             causes = f": {list_causes(self.failures)}" if self.failures else ""
             yield f"every action that was tried succeeded at least once; {failed}{causes}"
 
+    @property
+    def reasons(self) -> Reasons:
+        """The same as it is drawn; nothing of a solved problem."""
+        if self.solved:
+            return NO_REASONS
+        refusals = (
+            Refusal(
+                action=blocked.action,
+                args=blocked.args,
+                refused=blocked.refused,
+                obstacles=dict(Counter(blocked.obstacles).most_common()),
+                advice=blocked.advice,
+            )
+            for blocked in self.blocked
+        )
+        return Reasons(self.reason, tuple(refusals), tuple(self.remarks()))
+
+    def draw(self, path: Path | str) -> None:
+        """Write a picture of the scene at its start, with what was refused and what stood in its way (PNG).
+
+        Raises:
+            ValueError: The explanation knows no scene, since it was read from a record.
+        """
+        from ictamp_drake.viz.picture import scene_png  # noqa: PLC0415  (what draws takes long to load)
+
+        if self.scene is None or self.start is None:
+            raise ValueError("this explanation knows no scene")
+        scene_png(self.scene, self.start, Path(path), reasons=self.reasons)
+
     def __str__(self) -> str:
-        if self.stop_reason == StopReason.SOLVED.name:
+        if self.solved:
             return self.reason
         return "\n".join([self.reason, *(f"  {line}" for line in self.lines())])
 
 
 def list_causes(causes: Mapping[Failure, int]) -> str:
-    """The causes, with their counts when there are several."""
+    """List the causes, with their counts if there are several."""
     if len(causes) == 1:
         return str(next(iter(causes)))
     return ", ".join(f"{count} {cause}" for cause, count in causes.items())

@@ -1,4 +1,4 @@
-"""Pictures and pages of one problem. They are made when its result is known, and with what only they need."""
+"""Pictures and pages of one problem, made when its result is known. Only this module loads what draws them."""
 
 import json
 from collections.abc import Callable
@@ -24,10 +24,10 @@ from ictamp_drake.world.world import World
 
 
 def write_pages(solution: Solution, folder: Path) -> None:
-    """Write the tree, its pictures, that of the scene and the pages; each that can be made is.
+    """Write the tree, its pictures, the picture of the scene and the pages; one that fails does not stop the others.
 
     Raises:
-        RuntimeError: one sentence that says which could not be made.
+        RuntimeError: Some could not be made; one sentence names them.
     """
     failed: dict[str, Exception] = {}
     for name, write in _pages(solution, folder.name).items():
@@ -41,9 +41,10 @@ def write_pages(solution: Solution, folder: Path) -> None:
 
 
 def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
-    """What writes each, by its name."""
+    """Return the function that writes each file, by the file's name."""
     task, result = solution.task, solution.result
     tree = result.tree.to_dict(_configuration_to_dict)
+    reasons = solution.explain().reasons
 
     @cache
     def stage() -> Stage:
@@ -51,7 +52,7 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
 
     def write_search(path: Path) -> None:
         recordings = recorded_steps(task.physics, result.tree)
-        search_html(task.spec, result.tree, recordings, path, title, stage=stage())
+        search_html(task.spec, result.tree, recordings, path, title, stage=stage(), reasons=reasons)
 
     def write_animation(path: Path) -> None:
         if solution.plan:
@@ -61,20 +62,20 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
         "tree.json": lambda path: write_whole(path, json.dumps(tree)),
         "tree.svg": lambda path: draw_tree(tree, path, title),
         "growth.svg": lambda path: draw_growth(tree, path),
-        "scene.png": lambda path: scene_png(task.spec, task.c, path, stage()),
+        "scene.png": lambda path: scene_png(task.spec, task.c, path, stage(), reasons),
         "search.html": write_search,
-        "replay.html": write_animation,  # the last one, since its animation stays on the stage
+        "replay.html": write_animation,  # last, since its animation stays on the stage
     }
 
 
 def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: Stage | None = None) -> None:
-    """Write the page of a plan that is not empty, which is executed once more where its skills were not recorded.
+    """Write the page of a plan. The plan is executed again unless all its skills were recorded.
 
     Args:
-        plan: The plan.
+        plan: Plan to show.
         path: File of the page.
-        physics: A simulator of the scene.
-        stage: The scene as it is drawn; it keeps the animation.
+        physics: Simulator of the scene; by default a new one.
+        stage: Stage to draw on, which keeps the animation; by default a new one.
 
     Raises:
         IctampError: The plan is empty.

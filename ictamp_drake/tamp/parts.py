@@ -1,11 +1,11 @@
-"""Parts of your own: installed ones, and those that are named by `package.module:Class` or given as an object.
+"""Your own parts: installed ones, and those named by `package.module:Class` or given as an object.
 
-An installed package offers parts by entry points of these groups; the name of the entry point is what one chooses:
+An installed package offers parts as entry points of these groups; users choose them by the entry point's name:
 
     [project.entry-points."ictamp_drake.samplers"]
     mine = "my_package.my_module:MySampler"
 
-A text may set constants of such a part, as in `mine(depth=0.02)` or `my_package.my_module:MySampler(depth=0.02)`.
+The text may set the part's constants, e.g. `mine(depth=0.02)` or `my_package.my_module:MySampler(depth=0.02)`.
 """
 
 import ast
@@ -28,7 +28,7 @@ GROUPS = {
     "generator": "ictamp_drake.generators",
     "planner": "ictamp_drake.planners",
 }
-"""Group of entry points for each choice of a `Method`."""
+"""Group of entry points of each replaceable part of a `Method`."""
 
 P = TypeVar("P")
 
@@ -36,15 +36,15 @@ _TEXT = re.compile(r"(?P<name>[\w.:-]+)(?P<constants>\(.*\))?", re.DOTALL)
 
 
 def find_part(option: str, chosen: str | P, known: Mapping[str, P]) -> P:
-    """The configuration that was chosen: by name, by a text, or itself.
+    """Find the configuration of a part from its name, from a text, or from the configuration itself.
 
     Args:
-        option: One of `GROUPS`.
-        chosen: A name, `package.module:Class`, either of them with constants in brackets, or a configuration.
-        known: The configurations of the package by name.
+        option: Key of `GROUPS`.
+        chosen: Name or `package.module:Class`, optionally with constants in parentheses, or a configuration.
+        known: Configurations of this package by name.
 
     Raises:
-        IctampError: There is no such part, or it cannot be imported or made.
+        IctampError: The part does not exist, cannot be imported or cannot be made.
     """
     if not isinstance(chosen, str):
         return _check_part(option, name_part(chosen), chosen)
@@ -62,28 +62,28 @@ def find_part(option: str, chosen: str | P, known: Mapping[str, P]) -> P:
 
 
 def name_part(config: object) -> str:
-    """The text that names the class of a configuration."""
+    """Return the text that names the class of a configuration."""
     return f"{type(config).__module__}:{type(config).__qualname__}"
 
 
 def list_constants(config: object) -> dict[str, Any]:
-    """The constants of a configuration by name, none where it is not a dataclass."""
+    """Return the constants of a configuration by name; empty if it is not a dataclass."""
     return dataclasses.asdict(config) if dataclasses.is_dataclass(config) and not isinstance(config, type) else {}
 
 
 def set_constants(config: P, constants: Mapping[str, object]) -> P:
-    """The same configuration with other values of some constants."""
+    """Copy a configuration with new values of some constants."""
     return type(config)(**{**vars(config), **constants})
 
 
 def load_installed(option: str) -> dict[str, object]:
-    """Parts that installed packages offer, by name. One that cannot be imported is named on stderr, once."""
+    """Return the parts of installed packages by name. Those that cannot be imported are named once on stderr."""
     return _load_all()[option]
 
 
 @cache
 def _load_all() -> dict[str, dict[str, object]]:
-    points = metadata.entry_points()  # this takes some milliseconds, so it is asked only once
+    points = metadata.entry_points()  # takes some milliseconds, hence the cache
     found: dict[str, dict[str, object]] = {option: {} for option in GROUPS}
     for option, group in GROUPS.items():
         for point in sorted(points.select(group=group)):
@@ -96,7 +96,7 @@ def _load_all() -> dict[str, dict[str, object]]:
 
 
 def _split_text(option: str, text: str) -> tuple[str, dict[str, object]]:
-    """The name in a text, and the constants behind it."""
+    """Split a text into the name and the constants behind it."""
     match = _TEXT.fullmatch(text)
     if match is None:
         return text, {}

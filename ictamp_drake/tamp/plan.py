@@ -1,4 +1,4 @@
-"""`plan.yaml`: a found plan with all that is needed to execute it without this package."""
+"""`plan.yaml`: a plan with everything needed to execute it without this package."""
 
 import tempfile
 import webbrowser
@@ -25,7 +25,7 @@ from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
 
 FORMAT = 2
-"""Of the files that are written. Those of format 1 lack `commanded`, `x` and `touches`, and are read, too."""
+"""Format of the written files. Files of format 1 lack `commanded`, `x` and `touches`, and can still be read."""
 
 HEADER = """\
 # A plan for a Franka Emika Panda with its hand, found and executed in simulation. Metres, radians, seconds, newtons.
@@ -62,9 +62,9 @@ class Plan:
     """A plan that was executed in simulation: skills with their parameters and motions.
 
     Attributes:
-        spec: The scene.
-        c: c_0, where the plan starts.
-        attempts: Skills with action, k and motion, in their order.
+        spec: Scene of the plan.
+        c: Initial configuration c_0.
+        attempts: Runs of the skills in order, each with action, k and motion.
     """
 
     spec: SceneSpec
@@ -78,7 +78,7 @@ class Plan:
 
     @property
     def duration(self) -> float:
-        """Time that the motions take, one right after the other [s]."""
+        """Total time of the motions, without pauses in between [s]."""
         return duration(self.attempts)
 
     def __len__(self) -> int:
@@ -88,7 +88,7 @@ class Plan:
         return "\n".join(map(str, self.actions))
 
     def trajectory(self) -> Trajectory:
-        """Commanded positions of the arm's joints from 0 to `duration` [rad], shape (7, 1), two times differentiable.
+        """Return the commanded joint positions of the arm [rad], shape (7, 1), from time 0 to `duration`, C² in time.
 
         The commands of the hand are in the segments of each attempt's motion.
 
@@ -98,7 +98,7 @@ class Plan:
         return arm_trajectory([segment for attempt in self.attempts for segment in attempt.motion])
 
     def replay(self, physics: PhysicsConfig | None = None) -> Replay:
-        """Execute the plan in a fresh simulator, by default that of the search's default options."""
+        """Execute the plan in a new simulator, by default with the default options."""
         world = World(self.spec)
         return replay(
             (physics or PhysicsConfig()).create(world),
@@ -112,13 +112,13 @@ class Plan:
         """Write the plan's replay as a page, and open it in a browser.
 
         Args:
-            path: File of the page; a temporary one by default.
-            browser: Whether to open it.
+            path: File of the page; by default a temporary file.
+            browser: Whether to open the page.
 
         Returns:
-            The file, which needs neither network nor server.
+            File of the page, which needs neither network nor server.
         """
-        from ictamp_drake.tamp.pages import write_replay  # noqa: PLC0415  (what draws takes long to load)
+        from ictamp_drake.tamp.pages import write_replay  # noqa: PLC0415  (drawing modules take long to load)
 
         page = Path(path) if path else Path(tempfile.mkdtemp(prefix="ictamp-")) / "replay.html"
         write_replay(self, page)
@@ -127,21 +127,21 @@ class Plan:
         return page
 
     def save(self, path: Path | str) -> None:
-        """Write the plan as YAML, with all that is needed to execute it without this package; see `load`."""
+        """Write the plan as YAML, with everything needed to execute it without this package; see `load`."""
         write_plan(self, Path(path))
 
     @classmethod
     def load(cls, path: Path | str) -> "Plan":
-        """Read a plan that `save` has written.
+        """Read a plan that `save` wrote.
 
         Raises:
-            IctampError: The file is not there or not a plan.
+            IctampError: The file cannot be read or is not a plan.
         """
         return read_plan(Path(path))
 
 
 def write_plan(plan: Plan, path: Path) -> None:
-    """Write the file; it appears whole or not at all, and numbers are read back exactly."""
+    """Write the file, which appears whole or not at all. Numbers are read back exactly."""
     content = {
         "format": FORMAT,
         "scene": yaml.safe_load(to_yaml(plan.spec)),
@@ -176,12 +176,12 @@ def read_plan(path: Path) -> Plan:
 
 
 _Seven = tuple[float, float, float, float, float, float, float]
-"""Positions of the arm's joints, or a pose."""
+"""Joint positions of the arm, or a pose."""
 
 
 @dataclass(frozen=True)
 class _Start:
-    """`initial` in the file."""
+    """Entry `initial` of the file."""
 
     q: tuple[float, ...]
     poses: dict[str, _Seven]
@@ -241,7 +241,7 @@ class _Step:
 
 @dataclass(frozen=True, kw_only=True)
 class _File:
-    """A whole file."""
+    """The whole file."""
 
     format: int
     scene: SceneSpec

@@ -1,4 +1,4 @@
-"""A plan executed in one go, by one simulator that is never reset, and what there is to see of executions."""
+"""Execution of a whole plan by one simulator that is never reset, and the frames to show of executions."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -13,7 +13,7 @@ from ictamp_drake.world.outcome import Frame, Outcome
 from ictamp_drake.world.simulate import Physics
 
 MAX_STEPS = 60
-"""How many steps of a search are shown in motion: each takes about 25 kB of a page."""
+"""Maximum number of steps of a search that a page animates; each takes about 25 kB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,9 +21,9 @@ class Replay:
     """One execution of a plan.
 
     Attributes:
-        outcomes: where each skill ended; fewer than skills when the contact solver diverged.
-        reached: whether all came to rest after each skill, and H of the last configuration holds the goal.
-        seconds: processor time of the simulation [s].
+        outcomes: Outcome of each skill; fewer than there are skills when the contact solver diverged.
+        reached: Whether everything came to rest after each skill, and the goal holds in H of the last configuration.
+        seconds: Processor time of the simulation [s].
     """
 
     outcomes: tuple[Outcome, ...]
@@ -31,7 +31,7 @@ class Replay:
     seconds: float
 
     def recorded(self, attempts: Sequence[Attempt[Configuration]]) -> tuple[Attempt[Configuration], ...]:
-        """The skills that were executed, with the motions and recordings of this execution."""
+        """Return the executed skills with the motions and recordings of this execution."""
         return tuple(
             replace(attempt, motion=outcome.motion, recording=outcome.recording)
             for attempt, outcome in zip(attempts, self.outcomes, strict=False)
@@ -39,10 +39,10 @@ class Replay:
 
     @property
     def c(self) -> Configuration:
-        """Where the plan ended.
+        """Configuration in which the plan ended.
 
         Raises:
-            IndexError: when it is empty.
+            IndexError: The plan is empty.
         """
         return self.outcomes[-1].c
 
@@ -57,8 +57,8 @@ def replay(
 ) -> Replay:
     """Execute the motions of a plan from c.
 
-    With the options of the search every configuration is that of the search again, bit for bit. With a finer time step
-    or the whole scene awake, a skill may have to wait a little longer for rest.
+    With the options of the search, every configuration equals that of the search, bit for bit. With a finer time step
+    or with the whole scene awake, a skill may have to wait a little longer until everything is at rest.
     """
     start = process_time()
     outcomes: list[Outcome] = []
@@ -72,7 +72,7 @@ def replay(
 
 
 def plan_frames(physics: Physics, attempts: Sequence[Attempt[Configuration]]) -> list[Frame]:
-    """What there is to see of a plan, from the recordings of its skills; time is that from the start of the plan."""
+    """Return the frames of a plan from the recordings of its skills, with times from the start of the plan."""
     frames: list[Frame] = []
     for attempt, start in zip(attempts, starts(attempts), strict=True):
         if attempt.recording is not None:
@@ -82,12 +82,12 @@ def plan_frames(physics: Physics, attempts: Sequence[Attempt[Configuration]]) ->
 
 
 def recorded_steps(physics: Physics, tree: Tree[Configuration], limit: int = MAX_STEPS) -> dict[int, list[Frame]]:
-    """Recordings of the executed steps by their place in the tree's log, each from its node's c to where it ended.
+    """Return the frames of executed steps by their index in the tree's log, each from its node's c to its end.
 
     Args:
-        physics: a simulator of the scene.
-        tree: what the search left.
-        limit: how many to show; first those of the plan, then the other successes, then the failures.
+        physics: Simulator of the scene.
+        tree: Tree of the search.
+        limit: Maximum number of steps; those of the plan come first, then the other successes, then the failures.
     """
     executed = [
         (number, step)
@@ -101,10 +101,10 @@ def recorded_steps(physics: Physics, tree: Tree[Configuration], limit: int = MAX
 
 
 def starts(attempts: Sequence[Attempt[Configuration]]) -> list[float]:
-    """When each skill begins in an execution of the plan [s]."""
+    """Return the time at which each skill begins in an execution of the plan [s]."""
     return list(accumulate((attempt.duration for attempt in attempts), initial=0.0))[: len(attempts)]
 
 
 def duration(attempts: Sequence[Attempt[Configuration]]) -> float:
-    """How long the motions of a plan take, one right after the other [s]."""
+    """Return the total time of the motions of a plan, without pauses in between [s]."""
     return sum(attempt.duration for attempt in attempts)

@@ -1,4 +1,4 @@
-"""From a task to a plan that was executed, or to the reasons why there is none."""
+"""Solve a task: find a plan that was executed in simulation, or the reasons why there is none."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -30,16 +30,16 @@ from ictamp_drake.tamp.task import Task
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What came of a task.
+    """Outcome of a task.
 
     Attributes:
-        task: The task.
-        result: What the search left.
+        task: Task that was solved.
+        result: Result of the search.
         planning_time_s: Time for building the scene and for the search [s].
-        cpu_time_s: Processor time of this process for the same [s].
+        cpu_time_s: Processor time of this process for building the scene and for the search [s].
         setup_time_s: Part of the processor time that was spent before the search [s].
-        geometric_time_s: Processor time until the first plan was finished of which no step had run in physics yet [s];
-            None when there is none, or when each step runs in physics at once.
+        geometric_time_s: Processor time until the first plan was finished, before any of its steps ran in physics [s];
+            None when no plan was finished, or when each step runs in physics at once.
     """
 
     task: Task
@@ -51,24 +51,24 @@ class Solution:
 
     @property
     def plan(self) -> Plan | None:
-        """The plan that was found and executed; None when there is none, see `explain`."""
+        """Plan that was found and executed; None when there is none, see `explain`."""
         if not self.result.solved or self.result.plan is None:
             return None
         return Plan(self.task.spec, self.task.c, self.result.plan)
 
     def explain(self) -> Explanation:
         """Why the search ended, what was refused by what, and what would help; `str` of it is for people."""
-        return Explanation.of(self.result, self.planning_time_s)
+        return Explanation.of(self.result, self.planning_time_s, self.task.spec)
 
     @property
     def kinematic_time_s(self) -> float:
-        """Processor time of everything but physics [s]."""
+        """Processor time of everything except physics [s]."""
         stages = self.result.seconds_by_stage
         return self.cpu_time_s - stages.get("physics", 0.0) - stages.get("verification", 0.0)
 
     @property
     def execution_time_s(self) -> float | None:
-        """Computing time of the one execution of the found plan, skill by skill [s]; None when there is none."""
+        """Computing time of the found plan's execution in the search [s]; None when there is no plan."""
         return sum(attempt.seconds["physics"] for attempt in self.result.plan or ()) if self.result.solved else None
 
 
@@ -80,7 +80,7 @@ def solve(
     stop: Callable[[], bool] = lambda: False,
     **options: Any,
 ) -> Solution:
-    """Plan until a plan is found and executed, or the budget is spent.
+    """Search until a plan is found and executed, or the budget is spent.
 
     Args:
         task: The task.
@@ -91,7 +91,7 @@ def solve(
             configuration of your own, e.g. sampler=MySampler().
 
     Raises:
-        IctampError: An option or its value does not exist, or the task was loaded with other physics.
+        IctampError: An option or its value does not exist, or the task was loaded with different physics.
     """
     started, cpu_started = perf_counter(), process_time()
     method = method.with_options(**options)
@@ -122,10 +122,10 @@ def solve(
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:
-    """What a plan must pass after its skills were executed one after the other.
+    """Return the check that a plan must pass after its skills were executed one after the other.
 
-    That is one execution of the whole already, bit for bit, since a configuration is the complete state of the
-    simulator. So nothing more is asked by default.
+    Executing the skills one by one already equals an execution of the whole plan, bit for bit, since a configuration is
+    the complete state of the simulator. By default there is no further check.
     """
 
     def verify(attempts: tuple[Attempt[Configuration], ...]) -> bool:

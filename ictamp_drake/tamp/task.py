@@ -1,4 +1,4 @@
-"""From a scene to a task: all that planning in it needs."""
+"""Turn a scene into a task, which holds everything that planning needs."""
 
 import math
 from dataclasses import dataclass
@@ -20,19 +20,19 @@ from ictamp_drake.world.world import World
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A scene with everything that planning in it needs. It can be solved any number of times.
+    """A scene with everything that planning needs. It can be solved any number of times.
 
     Attributes:
-        spec: The scene.
-        world: The scene in Drake.
-        physics: Its simulator.
-        abstraction: H.
-        c: c_0, the configuration in which everything has come to rest.
-        s: H(c_0).
-        goal: Atoms that must hold.
+        spec: Scene of the task.
+        world: Model of the scene in Drake.
+        physics: Simulator of the scene.
+        abstraction: Abstraction H.
+        c: Initial configuration c_0, in which everything is at rest.
+        s: Initial symbolic state H(c_0).
+        goal: Atoms that must hold at the end.
         domain: Ground actions of the scene.
-        setup_time_s: Time that building all this took [s]; it counts as planning time.
-        setup_cpu_time_s: The same in processor time [s].
+        setup_time_s: Time for building the task [s]; it counts as planning time.
+        setup_cpu_time_s: Processor time for building the task [s].
     """
 
     spec: SceneSpec
@@ -52,26 +52,26 @@ def load(scene: Path | str | SceneSpec, method: Method = SCENE_METHOD, *, start:
 
     Args:
         scene: YAML file, or a scene made in Python.
-        method: How the scene is simulated and what its predicates mean; planning uses the same.
-        start: What was observed of arm, hand and boxes, in the place of what the scene says.
+        method: Method whose physics and predicates are used; pass the same method to `solve`.
+        start: Observed start of arm, hand and boxes, which replaces the start in the scene.
 
     Raises:
-        IctampError: One sentence that says what is wrong with the file, the scene, its start or its goal.
+        IctampError: The file, the scene, its start or its goal is not valid; one sentence says why.
     """
     spec, where = (scene, "the scene") if isinstance(scene, SceneSpec) else (load_scene(scene), str(scene))
     return prepare(spec if start is None else observed_scene(spec, start), method, where)
 
 
 def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the scene") -> Task:
-    """Build all that is needed to plan in a scene.
+    """Build everything needed to plan in a scene.
 
     Args:
-        spec: The scene.
-        method: How the scene is simulated and what its predicates mean.
+        spec: Scene to plan in.
+        method: Method whose physics and predicates are used.
         where: Name of the scene in errors, usually its file.
 
     Raises:
-        IctampError: One sentence that says what is wrong with the scene or its goal.
+        IctampError: The scene or its goal is not valid; one sentence says why.
     """
     started, cpu_started = perf_counter(), process_time()
     with in_file(where):

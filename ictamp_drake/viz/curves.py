@@ -1,4 +1,4 @@
-"""Pictures of how many problems strategies solve within a time, and within a number of low-level steps.
+"""Figures of the share of problems that strategies solve within a time and within a number of low-level steps.
 
 Runs are the rows of `reports.regime.tabulated`.
 """
@@ -18,18 +18,18 @@ COLORS = (
     *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"),
     *("#882255", "#999933", "#888888", "#332288"),
 )
-"""Told apart by everybody (Okabe and Ito 2008, then Tol 2021)."""
+"""Colors that are also distinct for color-blind readers (Okabe and Ito 2008, then Tol 2021)."""
 DASHES: tuple[tuple[float, tuple[float, ...]], ...] = ((0, ()), (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
-WIDTH, HEIGHT = 3.6, 2.6  # of a panel [in]
+WIDTH, HEIGHT = 3.6, 2.6  # size of a panel [in]
 BEYOND = 1.25
-"""How far curves go on, in multiples of where the longest run ends."""
+"""End of the curves as a multiple of the longest run."""
 
 
 def success(runs: pd.DataFrame, time_limit: float | None) -> Figure:
-    """Share of runs that are solved within t seconds (above) and n low-level steps (below), a column a level.
+    """Draw the share of runs solved within t seconds (top) and n low-level steps (bottom), one column per level.
 
-    Curves reach to the time limit [s], or beyond the longest run where it is not known; a step that had begun, and its
-    verification, may end later.
+    Curves extend to the time limit [s] or, if it is not known, beyond the longest run. A step in progress at the time
+    limit, and its verification, may end later.
     """
     levels = list(runs["level"].cat.categories)
     figure = Figure(figsize=(max(5.0, WIDTH * len(levels)), 2 * HEIGHT + 0.4), layout="constrained")
@@ -48,7 +48,7 @@ def success(runs: pd.DataFrame, time_limit: float | None) -> Figure:
 
 
 def _panel(axes: Axes, runs: pd.DataFrame, figure: str, end: float) -> None:
-    """A curve a strategy; one that did not run here has an empty one, so that all panels have the same lines."""
+    """Draw one curve per strategy, empty if the strategy did not run here, so that all panels have the same lines."""
     least, most = runs.loc[runs["solved"], figure].agg(["min", "max"])
     end = max(end, most)  # the end itself when most is nan
     for name, (color, dash) in zip(runs["strategy"].cat.categories, styles(), strict=False):
@@ -67,12 +67,12 @@ def _panel(axes: Axes, runs: pd.DataFrame, figure: str, end: float) -> None:
 
 
 def curve(solved: FloatArray, runs: int, end: float) -> tuple[FloatArray, FloatArray]:
-    """Where the share of solved runs jumps, and to what; it starts with 0 and ends at `end`.
+    """Return the places at which the share of solved runs jumps and the new shares, from share 0 to place `end`.
 
     Args:
-        solved: time or steps of the solved runs, in any order.
-        runs: all of them.
-        end: last place of the curve, none of them lies behind it.
+        solved: Time or steps of each solved run, in any order.
+        runs: Number of all runs.
+        end: Last place of the curve, not before any solved run.
     """
     places = np.sort(solved)
     shares = np.arange(1, len(places) + 1) / runs
@@ -81,7 +81,7 @@ def curve(solved: FloatArray, runs: int, end: float) -> tuple[FloatArray, FloatA
 
 
 def styles() -> Iterator[tuple[str, tuple[float, tuple[float, ...]]]]:
-    """Colour and dashes of each strategy, in their order."""
+    """Yield the color and the dashes of each strategy, in order."""
     number = 0
     while True:
         yield COLORS[number % len(COLORS)], DASHES[number % len(DASHES)]

@@ -1,4 +1,4 @@
-"""Lines, dots and texts on paper. SVG is written at once, other formats by matplotlib, which takes long to load."""
+"""Drawings of lines, dots and texts. SVG is written directly, other formats by matplotlib, which takes long to load."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,21 +12,21 @@ Color = tuple[float, float, float]
 Point = tuple[float, float]
 
 FONT_SIZE = 7.0
-"""Of texts that name no other one [pt]."""
+"""Default size of texts [pt]."""
 
 _INCH = 72.0
-"""A point is the unit of sizes of texts, lines and dots, an inch that of places."""
+"""Points per inch: sizes of texts, lines and dots are in points, places in inches."""
 
 
 def to_hex(color: Color | str) -> str:
-    """E.g. #1a8f3c; a text is taken for one already."""
+    """Return a color as text, e.g. #1a8f3c; a text is returned unchanged."""
     if isinstance(color, str):
         return color
     return "#" + "".join(f"{round(255 * channel):02x}" for channel in color)
 
 
 def to_rgb(text: str) -> Color:
-    """The colour that is written e.g. 1a8f3c or #1a8f3c."""
+    """Return the color of a text such as 1a8f3c or #1a8f3c."""
     red, green, blue = bytes.fromhex(text.removeprefix("#"))
     return red / 255, green / 255, blue / 255
 
@@ -64,8 +64,8 @@ class Drawing:
     """A sheet of paper; y grows upwards.
 
     Attributes:
-        width, height: of the sheet [in].
-        left, top: place of its upper left corner [in].
+        width, height: Size of the sheet [in].
+        left, top: Place of the sheet's upper left corner [in].
     """
 
     width: float
@@ -83,7 +83,7 @@ class Drawing:
         dashes: tuple[float, float] | None = None,
         opacity: float = 1.0,
     ) -> None:
-        """Draw straight lines from point to point [in]; `dashes` are lengths of strokes and gaps [pt]."""
+        """Draw straight lines from point to point [in]; `dashes` are the lengths of strokes and gaps [pt]."""
         self._items.append((0, _Line(points, color, width, dashes, opacity)))
 
     def dot(
@@ -98,7 +98,7 @@ class Drawing:
         opacity: float = 1.0,
         level: int = 1,
     ) -> None:
-        """Draw a dot of that diameter [pt] over all lines and over dots of lower levels; a cross has an edge only."""
+        """Draw a dot of diameter `size` [pt] above all lines and all dots of lower levels; a cross has only an edge."""
         self._items.append((level, _Dot(at, shape, size, to_hex(fill), edge, width, opacity)))
 
     def text(
@@ -112,11 +112,11 @@ class Drawing:
         bold: bool = False,
         opacity: float = 1.0,
     ) -> None:
-        """Write a text over all dots; `at` is the middle of its height."""
+        """Write a text above all dots; `at` is the middle of its height."""
         self._items.append((9, _Text(at, text, anchor, color, size, bold, opacity)))
 
     def save(self, path: Path) -> None:
-        """Write the picture in the format of the path's suffix; the same one gives the same file."""
+        """Write the drawing in the format of the path's suffix. Equal drawings give identical files."""
         if path.suffix == ".svg":
             path.write_text(self._svg(), encoding="utf-8")
         else:
@@ -168,11 +168,11 @@ class Drawing:
         return f'<path d="M{left} {top}l{size} {size}m0 -{size}l-{size} {size}" fill="none" {stroke}/>'
 
     def _place(self, point: Point, right: float = 0.0, down: float = 0.0) -> tuple[str, str]:
-        """In the file, so far [pt] from a point."""
+        """Coordinates in the file, shifted `right` and `down` [pt] from a point."""
         return _number(_INCH * (point[0] - self.left) + right), _number(_INCH * (self.top - point[1]) + down)
 
     def _rasterize(self, path: Path) -> None:
-        from matplotlib.figure import Figure  # noqa: PLC0415  (takes long to load, and is seldom needed)
+        from matplotlib.figure import Figure  # noqa: PLC0415  (takes long to load, and is rarely needed)
 
         figure = Figure(figsize=(self.width, self.height))
         axes = figure.add_axes((0, 0, 1, 1))

@@ -1,4 +1,4 @@
-"""Pictures of where a search's time and its low-level steps go. Runs are the rows of `reports.regime.tabulated`."""
+"""Figures of a search's time by stage and its steps by depth. Runs are the rows of `reports.regime.tabulated`."""
 
 import numpy as np
 import pandas as pd
@@ -18,12 +18,12 @@ STAGES = {
     "abstraction": "#000000",
     "verification": "#009e73",
 }
-"""Stages of a run in their order, and their colours."""
-ROW, WIDTH, MARGIN = 0.3, 3.6, 0.9  # of a strategy and of a panel, and around all [in]
+"""Stages of a run in order, with their colors."""
+ROW, WIDTH, MARGIN = 0.3, 3.6, 0.9  # height of a strategy's row, width of a panel, outer margin [in]
 
 
 def stages(runs: pd.DataFrame) -> Figure:
-    """Mean seconds of a run by stage, a bar a strategy and a panel a level."""
+    """Draw the mean seconds of a run by stage, with one bar per strategy and one panel per level."""
     means = seconds_by_stage(runs)
     levels = list(means.index.unique("level"))
     strategies = list(runs["strategy"].cat.categories)
@@ -52,16 +52,16 @@ def _bars(axes: Axes, means: pd.DataFrame) -> None:
 
 
 def seconds_by_stage(runs: pd.DataFrame) -> pd.DataFrame:
-    """Mean seconds of all runs of a level and strategy (index) in each stage (columns)."""
+    """Mean seconds of the runs of each level and strategy (index) in each stage (columns)."""
     seconds = pd.DataFrame(runs["stages"].tolist(), index=runs.index).fillna(0.0)
     named = [*(stage for stage in STAGES if stage in seconds), *sorted(set(map(str, seconds)) - set(STAGES))]
     return seconds[named].groupby([runs["level"], runs["strategy"]], observed=True).mean()
 
 
 def depths(runs: pd.DataFrame) -> Figure:
-    """Mean low-level steps of a run by the depth that they start from, a row a strategy and a panel a level.
+    """Draw the mean low-level steps of a run by starting depth, with one row per strategy and one panel per level.
 
-    The darker, the more of the strategy's steps. Runs that do not know the depths are left out.
+    Darker cells have a larger share of the strategy's steps. Runs without recorded depths are left out.
     """
     known = runs[runs["depths"].map(len) > 0]
     levels = list(known["level"].unique())
@@ -94,6 +94,6 @@ def _heat(axes: Axes, means: pd.DataFrame, columns: int) -> None:
 
 
 def steps_by_depth(runs: pd.DataFrame) -> pd.DataFrame:
-    """Mean low-level steps of a run of each strategy (index) by depth (columns)."""
+    """Mean low-level steps per run of each strategy (index) by depth (columns)."""
     counts = pd.DataFrame([dict(enumerate(depths)) for depths in runs["depths"]], index=runs.index).fillna(0)
     return counts.groupby(runs["strategy"], observed=True).mean()

@@ -1,4 +1,4 @@
-"""What all figures have in common: their looks, and how they are written."""
+"""Common style of all figures, and how to write them."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,7 +12,7 @@ STYLE: dict[Any, Any] = {"font.size": 9, "axes.edgecolor": LABEL, "axes.spines.t
 
 
 def write_figures(figures: Mapping[str, Callable[[], Figure]], folder: Path) -> list[str]:
-    """Draw all figures, write them to a folder by their names, the same bytes every time, and return the names."""
+    """Draw all figures, write them to a folder by name, and return the names. The bytes are the same every time."""
     with mpl.rc_context(STYLE):
         for name, draw in figures.items():
             draw().savefig(folder / name, dpi=120, facecolor="white")

@@ -10,13 +10,13 @@ from ictamp_drake.scenes.spec import INTERFERENCES, SceneSpec, load_scene
 from ictamp_drake.viz.picture import picture
 from ictamp_drake.world.world import World
 
-COLUMNS, WIDTH, HEIGHT = 3, 3.2, 3.5  # panels in a row, size of one with its title [in]
+COLUMNS, WIDTH, HEIGHT = 3, 3.2, 3.5  # panels per row, size of a panel with its title [in]
 VIEW = (slice(100, 600), slice(130, 630))
-"""Rows and columns of a picture that are shown: the arm and the table."""
+"""Visible rows and columns of a picture: the arm and the table."""
 
 
 def examples() -> dict[str, SceneSpec]:
-    """The first plain packing problem of each level, and the first one with each kind of interference alone."""
+    """Load the first plain packing problem of each level, and the first with each single kind of interference."""
     files = {f"{level}-{path.stem}": path for level in LEVELS for path in problem_files(level)}
     scene = cache(load_scene)
 
@@ -29,7 +29,7 @@ def examples() -> dict[str, SceneSpec]:
 
 
 def gallery(scenes: Mapping[str, SceneSpec]) -> Figure:
-    """Scenes as they are specified, each below its title."""
+    """Draw scenes as specified, each below its title."""
     rows = -(-len(scenes) // COLUMNS)
     figure = Figure(figsize=(COLUMNS * WIDTH, rows * HEIGHT), layout="constrained")
     panels = figure.subplots(rows, COLUMNS, squeeze=False).flat

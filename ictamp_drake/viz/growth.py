@@ -1,6 +1,7 @@
-"""Figure 1 over time: the tree of a search at a few moments, side by side, from the record of `Tree.to_dict`.
+"""Figure 1 over time: the tree of a search at several moments, side by side, from the record of `Tree.to_dict`.
 
-Every item keeps its place from picture to picture; what is new since the picture before is dark, the rest is pale.
+Every item keeps its place from picture to picture. Items that are new since the previous picture are dark, the others
+pale.
 """
 
 from dataclasses import dataclass
@@ -11,16 +12,16 @@ from ictamp_drake.viz.drawing import Drawing, Point
 from ictamp_drake.viz.layout import FOUND, LABEL, LINE, REFUSED, Layout, Record
 
 COLUMN, ROW, MARGIN, HEADER = 0.42, 0.22, 0.2, 0.3  # sizes on paper [in]
-WIDTH = 13.0  # pictures that are wider together go to the next line [in]
+WIDTH = 13.0  # maximum width of a line of pictures [in]
 
 
 def draw_growth(tree: Record, path: Path, moments: int = 4) -> None:
-    """Write pictures of the tree after equal shares of its plans and steps, the last at its end, as SVG or PNG.
+    """Write pictures of the tree after equal shares of its plans and steps, the last one at the end, as SVG or PNG.
 
     Args:
-        tree: what `Tree.to_dict` returned, or the same read from a file.
-        path: where to write.
-        moments: number of pictures; fewer when there are fewer plans and steps.
+        tree: Record from `Tree.to_dict`, also when read from a file.
+        path: File to write.
+        moments: Number of pictures; fewer if there are fewer plans and steps.
     """
     layout, log = Layout(tree), tree["log"]
     grown = [now for now, entry in enumerate(log, 1) if entry["event"] == "step" or entry["plan"] is not None]
@@ -50,12 +51,12 @@ class _Moment:
     """One picture.
 
     Attributes:
-        layout: of the whole search.
-        paper: to draw on.
-        x, y: place of the root [in].
-        before: entries of the log at the picture before.
-        now: entries of the log at this one.
-        last: whether the search has ended, so that the way to the goal can be told.
+        layout: Layout of the whole search.
+        paper: Drawing to draw on.
+        x, y: Place of the root [in].
+        before: Number of log entries at the previous picture.
+        now: Number of log entries at this picture.
+        last: Whether the search has ended, so that the path to the goal is known.
     """
 
     layout: Layout
@@ -67,7 +68,7 @@ class _Moment:
     last: bool
 
     def draw(self) -> None:
-        """Draw all that exists by now."""
+        """Draw everything that exists by now."""
         for number, stub in enumerate(self.layout.stubs, len(self.layout.nodes)):
             if stub.born <= self.now:
                 self._draw_stub(stub.node, number, self._shade(stub.born))
@@ -76,7 +77,7 @@ class _Moment:
                 self._draw_node(node)
 
     def _shade(self, born: int) -> float:
-        """Opacity of what is as old as that."""
+        """Opacity of an item that appeared with log entry `born`."""
         return 1.0 if born > self.before or self.last else 0.35
 
     def _place(self, node: int) -> Point:

@@ -1,4 +1,4 @@
-"""Which moments of a recorded track must be kept, so that straight lines between them show the rest."""
+"""Keyframes of a recorded track: moments to keep so that straight lines between them approximate the rest."""
 
 import numpy as np
 
@@ -6,15 +6,15 @@ from ictamp_drake.core.types import FloatArray
 
 
 def keyframes(times: FloatArray, values: FloatArray, tolerance: float) -> list[int]:
-    """Indices of the moments to keep, in order (Ramer, Douglas and Peucker's algorithm over time).
+    """Return the indices of the moments to keep, in order (Ramer-Douglas-Peucker algorithm over time).
 
     Args:
-        times: increasing [s], shape (n,).
-        values: what is recorded at them, shape (n, m).
-        tolerance: how far any value may be from the line between two moments kept.
+        times: Increasing times [s], shape (n,).
+        values: Recorded values at these times, shape (n, m).
+        tolerance: Maximum distance of any value from the line between two kept moments.
 
     Returns:
-        First and last and what is needed between them; the first alone when nothing moves.
+        The first moment, the last one and those needed between them; only the first one when nothing moves.
     """
     last = len(times) - 1
     if np.all(np.abs(values - values[0]) <= tolerance):
@@ -37,7 +37,7 @@ def keyframes(times: FloatArray, values: FloatArray, tolerance: float) -> list[i
 
 
 def same_hemisphere(quaternions: FloatArray) -> FloatArray:
-    """The same rotations, each with the sign nearer to the one before, shape (n, 4)."""
+    """Flip signs so that each quaternion is nearest to the previous one; the rotations stay the same, shape (n, 4)."""
     agree = np.sum(quaternions[1:] * quaternions[:-1], axis=1) >= 0
     signs = np.cumprod(np.append(1.0, np.where(agree, 1.0, -1.0)))
     return quaternions * signs[:, None]

@@ -1,4 +1,4 @@
-"""Where everything stands in a picture of a search, whoever draws it, from the record that `Tree.to_dict` writes.
+"""Layout of the tree of a search for all its pictures, computed from the record that `Tree.to_dict` writes.
 
 Depth runs to the right, so a rollout is a straight line. A stub stands for all failures of one action at one node.
 """
@@ -18,9 +18,9 @@ _TAB = "1f77b4 ff7f0e 2ca02c d62728 9467bd 8c564b e377c2 7f7f7f bcbd22 17becf"
 _DARK = "1b9e77 d95f02 7570b3 e7298a 66a61e e6ab02 a6761d 666666"
 _PALE = "8dd3c7 ffffb3 bebada fb8072 80b1d3 fdb462 b3de69 fccde5 d9d9d9 bc80bd ccebc5 ffed6f"
 CAUSE_COLORS: dict[Failure, Color] = dict(zip(Failure, map(to_rgb, f"{_TAB} {_DARK}".split()), strict=False))
-"""Matplotlib's tab20, the dark ones, and Dark2."""
+"""Color of each cause of failure: the dark colors of Matplotlib's tab20, then Dark2."""
 PLAN_COLORS: tuple[Color, ...] = tuple(map(to_rgb, _PALE.split()))
-"""Matplotlib's Set3."""
+"""Colors of opened plans: Matplotlib's Set3."""
 
 
 @dataclass(frozen=True)
@@ -28,10 +28,10 @@ class Stub:
     """All failures of one action at one node.
 
     Attributes:
-        node: number of the node.
-        action: what was tried.
-        causes: how often it failed for which cause.
-        born: entries of the log up to the first failure.
+        node: Number of the node.
+        action: Action that was tried.
+        causes: Number of failures by cause.
+        born: Number of log entries up to and including the first failure.
     """
 
     node: int
@@ -44,17 +44,17 @@ class Layout:
     """The items of a search and their places.
 
     Attributes:
-        nodes: of the record.
-        steps: entries of its log that are low-level steps.
-        stubs: in the order of their first failures.
-        solution: numbers of the nodes on the way to the verified plan's end.
-        labels: a short one for each action.
-        plan_of: for each node but the root the opened plan that its branch began with.
-        plans: numbers of the opened plans.
-        expanded: for each opened plan, by its place in the log, the nodes expanded since the one before.
-        levels: row of each node, then of each stub; an item's column is its depth.
-        born: for each node how many entries of the log there are when it exists.
-        depth: of the deepest item.
+        nodes: Nodes of the record.
+        steps: Log entries that are low-level steps.
+        stubs: Stubs in the order of their first failures.
+        solution: Numbers of the nodes on the path to the verified plan's end.
+        labels: Short label of each action.
+        plan_of: Opened plan with which the branch of each node began; the root has none.
+        plans: Numbers of the opened plans.
+        expanded: Number of nodes expanded for each opened plan since the previous one, by the plan's place in the log.
+        levels: Row of each node, then of each stub; an item's column is its depth.
+        born: Number of log entries after which each node exists.
+        depth: Depth of the deepest item.
     """
 
     def __init__(self, tree: Record) -> None:
@@ -73,17 +73,17 @@ class Layout:
         self.depth = max(depths + [depths[stub.node] + 1 for stub in self.stubs])
 
     def color(self, plan: int | None) -> Color:
-        """Of an opened plan and of the nodes whose branch began with it; the root's is white."""
+        """Color of an opened plan and of the nodes whose branch began with it; the root is white."""
         return (1.0, 1.0, 1.0) if plan is None else PLAN_COLORS[self.plans.index(plan) % len(PLAN_COLORS)]
 
 
 def rows(parents: list[int | None], nodes: int, preferred: frozenset[int] = frozenset()) -> list[int]:
-    """The row of each item of a tree: a parent is level with its first child, and no two branches cross.
+    """Return the row of each item of a tree. A parent is level with its first child, and no two branches cross.
 
     Args:
-        parents: for each item its parent, which comes before it; None for the root alone. Nodes come first, then stubs.
-        nodes: how many of the items are nodes.
-        preferred: nodes that become the first among their siblings; otherwise the order is that of the list.
+        parents: Parent of each item, which precedes the item; None for the root only. Nodes come first, then stubs.
+        nodes: Number of items that are nodes.
+        preferred: Nodes that come first among their siblings; the other siblings keep the order of the list.
     """
     children: defaultdict[int, list[int]] = defaultdict(list)
     depths: list[int] = []
@@ -92,7 +92,7 @@ def rows(parents: list[int | None], nodes: int, preferred: frozenset[int] = froz
         if parent is not None:
             children[parent].append(item)
     offsets = [0] * len(parents)
-    # Lowest row of each branch in each zone: items of depth d are in zone 2 d, the lines that leave them in 2 d + 1.
+    # Lowest row of each branch in each zone: items of depth d are in zone 2 d, their outgoing lines in zone 2 d + 1.
     bottoms: list[dict[int, int]] = [{} for _ in parents]
     for item in reversed(range(len(parents))):
         bottom = bottoms[item]
@@ -110,13 +110,13 @@ def rows(parents: list[int | None], nodes: int, preferred: frozenset[int] = froz
 
 
 def _siblings(items: list[int], nodes: int, preferred: frozenset[int]) -> list[int]:
-    """The first node level with its parent, then the stubs, so that they are near, then the other nodes."""
+    """Sort siblings: first the item level with its parent, then the stubs, to keep them near, then the other nodes."""
     ordered = sorted(items, key=lambda item: (item not in preferred, item))
     return ordered[:1] + sorted(ordered[1:], key=lambda item: (item < nodes, item))
 
 
 def abbreviations(actions: Iterable[str]) -> dict[str, str]:
-    """A short label for each action: objects lose what follows their first underscore where they stay distinct."""
+    """Return a short label of each action. Names of objects end at their first underscore if they stay distinct."""
     parts = {action: action.rstrip(")").replace("(", ", ").split(", ") for action in actions}
     objects = {name for _, *names in parts.values() for name in names}
     heads = Counter(name.split("_")[0] for name in objects)
@@ -137,7 +137,7 @@ def _stubs(log: list[Record]) -> list[Stub]:
 
 
 def _expansions(log: list[Record]) -> dict[int, int]:
-    """A plan may take several calls of the generator, all but the last of them without one."""
+    """Add up the expansions of each plan, which may take several calls of the generator; only the last returns it."""
     found: dict[int, int] = {}
     total = 0
     for number, entry in enumerate(log):
@@ -157,7 +157,7 @@ def _ancestors(nodes: list[Record], node: int | None) -> frozenset[int]:
 
 
 def _opened_plans(steps: list[Record]) -> dict[int, int]:
-    """For each node the opened plan that its branch began with."""
+    """Return the opened plan with which the branch of each node began."""
     plans: dict[int, int] = {}
     for step in steps:
         if step["child"] is not None:

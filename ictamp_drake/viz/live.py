@@ -1,4 +1,4 @@
-"""The live view: Meshcat shows what the planner is at, to this machine only."""
+"""Live view: Meshcat shows the planner at work, on this machine only."""
 
 from pydrake.geometry import Meshcat
 
@@ -9,13 +9,13 @@ from ictamp_drake.viz.stage import PREFIX, Stage, start_meshcat
 
 
 class LiveView:
-    """One server for all problems of a run; prints its address when it starts.
+    """One server for all problems of a run, which prints its address when it starts.
 
     Args:
-        port: on localhost; the first free one from 7000 on by default.
+        port: Port on localhost; by default the first free one from 7000 on.
 
     Raises:
-        IctampError: the port cannot be used.
+        IctampError: The port cannot be used.
     """
 
     def __init__(self, port: int | None = None) -> None:
@@ -28,7 +28,7 @@ class LiveView:
         return str(self._meshcat.web_url())
 
     def listener(self, spec: SceneSpec) -> Listener:
-        """Show this scene from now on; the listener moves it with every low-level step."""
+        """Show this scene from now on, and return a listener that updates it with every low-level step."""
         self._meshcat.Delete(PREFIX)
         stage = Stage(spec, self._meshcat)
 
@@ -41,7 +41,7 @@ class LiveView:
 
 
 def configuration(event: Event) -> Configuration | None:
-    """What there is to see at an event: where a step starts, then where it ends; None leaves the view as it is."""
+    """Configuration to show at an event: start and end of a step, or a verified plan's end; None for no change."""
     match event:
         case StepStarted(node=node) | Verified(node=node):
             return node.c

@@ -1,4 +1,4 @@
-"""Pictures of triangles with nothing but numpy: a picture must not depend on the graphics drivers of a machine."""
+"""Pictures of triangles, rendered with numpy only so that they do not depend on a machine's graphics drivers."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,24 +6,24 @@ from numpy.typing import NDArray
 from ictamp_drake.core.types import FloatArray
 
 _SAMPLES = 2
-"""Samples of a pixel along x and along y, averaged for smooth edges."""
+"""Samples per pixel along x and along y, averaged for smooth edges."""
 
 _LIGHTS = ((np.array([0.35, 0.35, 0.87]), 0.55), (np.array([0.75, -0.6, 0.28]), 0.3))
-"""Directions to the lights in W and their strengths."""
+"""Directions to the lights in W, and their strengths."""
 
 _AMBIENT = 0.4
 
 _EDGE_ON = 1e-6
-"""Triangles whose plane passes nearer to the eye are too thin to be seen [m]."""
+"""Minimum distance of a triangle's plane from the eye [m]; nearer ones are seen edge-on and left out."""
 
 
 class Camera:
     """A pinhole camera without roll.
 
     Args:
-        eye, target: where it stands and what it looks at, in W [m], shape (3,).
-        field_of_view: vertical [rad].
-        width, height: of the picture [pixels].
+        eye, target: Positions of the camera and of the point that it looks at, in W [m], shape (3,).
+        field_of_view: Vertical field of view [rad].
+        width, height: Size of the picture [pixels].
     """
 
     def __init__(self, eye: FloatArray, target: FloatArray, field_of_view: float, width: int, height: int) -> None:
@@ -43,15 +43,16 @@ class Camera:
 
 
 def render(triangles: FloatArray, colors: FloatArray, camera: Camera, background: FloatArray) -> NDArray[np.uint8]:
-    """A picture of triangles that all lie before the camera; those that show it their back are left out.
+    """Render triangles, all in front of the camera; those that face away from it are left out.
 
     Args:
-        triangles: corners in W [m], counterclockwise seen from outside, shape (n, 3, 3).
-        colors: red, green, blue in [0, 1], shape (n, 3).
-        background: colours of its rows from top to bottom, spread evenly, shape (m, 3).
+        triangles: Corners in W [m], counterclockwise seen from outside, shape (n, 3, 3).
+        colors: Red, green, blue in [0, 1], shape (n, 3).
+        camera: Camera that takes the picture.
+        background: Colors of the background, evenly spaced from top to bottom, shape (m, 3).
 
     Returns:
-        shape (height, width, 3).
+        Picture of shape (height, width, 3).
     """
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
@@ -64,6 +65,13 @@ def render(triangles: FloatArray, colors: FloatArray, camera: Camera, background
     shown = np.where(front < 0, len(shaded) + np.arange(len(front))[:, None], front)
     samples = [palette.take(shown[i::_SAMPLES, j::_SAMPLES], axis=0) for i in range(_SAMPLES) for j in range(_SAMPLES)]
     return np.round(255 * np.clip(sum(samples) / len(samples), 0, 1)).astype(np.uint8)
+
+
+def silhouette(triangles: FloatArray, camera: Camera) -> NDArray[np.bool_]:
+    """Where triangles would be seen if nothing else were there, shape (height, width); see `render`."""
+    covered = _front(camera.project(triangles), camera.shape) >= 0
+    height, width = camera.shape
+    return np.any(covered.reshape(height // _SAMPLES, _SAMPLES, width // _SAMPLES, _SAMPLES), axis=(1, 3))
 
 
 def _brightness(normals: FloatArray) -> FloatArray:
@@ -90,14 +98,14 @@ def _front(corners: FloatArray, shape: tuple[int, int]) -> NDArray[np.int64]:
 
 
 def _planes(corners: FloatArray) -> FloatArray:
-    """Factors of (x, y, 1) that give each corner's weight at a sample, shape (n, 3, 3)."""
+    """Coefficients of (x, y, 1) that give each corner's weight at a sample, shape (n, 3, 3)."""
     flat = corners.transpose(0, 2, 1).copy()
     flat[:, 2] = 1.0
     return np.asarray(np.linalg.inv(flat), dtype=np.float64)
 
 
 def _rows(corners: FloatArray, height: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Every row of samples that every triangle may cover: the triangle and the row."""
+    """Pairs of a triangle and a row of samples that it may cover, as two index arrays."""
     low = np.clip(np.ceil(corners[..., 1].min(axis=1) - 0.5), 0, height).astype(int)
     high = np.clip(np.floor(corners[..., 1].max(axis=1) + 0.5), low, height).astype(int)
     count = high - low
@@ -106,12 +114,12 @@ def _rows(corners: FloatArray, height: int) -> tuple[NDArray[np.int64], NDArray[
 
 
 def _spans(planes: FloatArray, y: NDArray[np.int64], width: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First sample of each row that is inside, and the one after the last; the same one when there is none.
+    """First sample inside the triangle on each row, and the one after the last; equal when none is inside.
 
     Args:
-        planes: of the row's triangle, shape (n, 3, 3).
-        y: the rows, shape (n,).
-        width: of the picture [samples].
+        planes: Coefficients of each row's triangle, shape (n, 3, 3).
+        y: Rows, shape (n,).
+        width: Width of the picture [samples].
     """
     slope, rest = _line_on_row(planes, y)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -124,6 +132,6 @@ def _spans(planes: FloatArray, y: NDArray[np.int64], width: int) -> tuple[NDArra
 
 
 def _line_on_row(planes: FloatArray, y: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """What a plane (..., 3) is on a row of samples: slope and value at the left end, shape (...) each."""
+    """Restrict planes (..., 3) to a row of samples: slope and value at the left end, shape (...) each."""
     middle = (y + 0.5).reshape(-1, *[1] * (planes.ndim - 2))
     return planes[..., 0], planes[..., 1] * middle + planes[..., 2]

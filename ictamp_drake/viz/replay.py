@@ -1,4 +1,4 @@
-"""replay.html: a recorded simulation as a page with play, pause and slider that needs neither network nor server."""
+"""replay.html: a recorded simulation as a page with play, pause and a slider. It needs neither network nor server."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,11 +20,11 @@ TICKS = 1000
 
 
 def plan_captions(attempts: Sequence[Attempt[Any]], starts: Sequence[float]) -> list[Caption]:
-    """What to write while a plan runs: number and name of the skill, and what the arm is about.
+    """Return the captions of a plan: number and action of each skill, and the label of the segment.
 
     Args:
-        attempts: the skills of the plan.
-        starts: when each begins in the recording [s].
+        attempts: Runs of the plan's skills.
+        starts: Time in the recording at which each skill begins [s].
     """
     result = []
     for number, (attempt, start) in enumerate(zip(attempts, starts, strict=True), 1):
@@ -42,11 +42,11 @@ def replay_html(
     """Write the page; it appears whole or not at all.
 
     Args:
-        spec: the scene.
-        frames: the recording, in the order of time; its start is the page's time 0.
-        captions: texts to show, in the recording's time.
-        path: of the page.
-        stage: of the scene, if there is one; it keeps the animation.
+        spec: Scene to show.
+        frames: Frames of the recording in order of time; the recording starts at the page's time 0.
+        captions: Texts to show, in the recording's time.
+        path: File of the page.
+        stage: Stage of the scene, which keeps the animation; by default a new one.
     """
     stage = stage or Stage(spec, start_meshcat())
     stage.show(frames[0].c)

@@ -1,4 +1,4 @@
-"""A scene on a Meshcat server of this machine: what the live view and the replay share."""
+"""A scene on a Meshcat server of this machine, for the live view and the pages."""
 
 import logging
 from collections.abc import Iterator
@@ -25,21 +25,21 @@ from ictamp_drake.world.build import add_scene
 from ictamp_drake.world.poses import to_transform
 
 PREFIX = "/scene"
-"""Where the scene is in Meshcat's tree."""
+"""Path of the scene in Meshcat's tree."""
 
 PORTS = (1024, 65535)
 
 FIELD_OF_VIEW = 38.0
-"""Vertical, of the camera [deg]."""
+"""Vertical field of view of the camera [deg]."""
 
 DIRECTION = np.array([0.800, 0.400, 0.447])
-"""From the scene to the camera in the arm's base frame B, a unit vector."""
+"""Unit vector from the scene to the camera, in the arm's base frame B."""
 
 ARM_HEIGHT = 0.6
-"""Of the part of the arm that should be in the picture [m]."""
+"""Height of the part of the arm that should be in the picture [m]."""
 
 BACKGROUND = ((0.95, 0.96, 0.98), (0.80, 0.84, 0.89))
-"""Colours of the top and bottom of the background."""
+"""Colors of the top and bottom of the background."""
 
 _LAMP = "/Lights/SpotLight"
 
@@ -59,14 +59,14 @@ LOOK: tuple[tuple[str, str, Any], ...] = (
     ("/Lights/AmbientLight/<object>", "intensity", 0.5),
     ("/Lights/FillLight/<object>", "intensity", 0.4),
 )
-"""Light and background of Meshcat: path, property, value."""
+"""Meshcat's settings of lights and background: path, property, value."""
 
 
 def start_meshcat(port: int | None = None) -> Meshcat:
-    """A server that only this machine can reach, at the port or else the first free one from 7000 on.
+    """Start a server that only this machine can reach, at the port or else at the first free one from 7000 on.
 
     Raises:
-        IctampError: the port is out of range or taken.
+        IctampError: The port is out of range or taken.
     """
     if port is not None and not PORTS[0] <= port <= PORTS[1]:
         check_range("port", port, *PORTS)
@@ -84,7 +84,7 @@ def start_meshcat(port: int | None = None) -> Meshcat:
 
 @contextmanager
 def _quiet_drake() -> Iterator[None]:
-    """Drake announces every server, also those that nobody is to look at."""
+    """Suppress Drake's announcement of every server, even of those that nobody looks at."""
     logger = logging.getLogger("drake")
     level = logger.level
     logger.setLevel(logging.WARNING)
@@ -95,7 +95,7 @@ def _quiet_drake() -> Iterator[None]:
 
 
 def viewpoint(spec: SceneSpec) -> tuple[FloatArray, FloatArray]:
-    """Where to look from and at, in W [m], shape (3,) each: from the arm's front left, far enough to see it all."""
+    """Camera position and target in W [m], shape (3,) each: from the arm's front left, far enough to see everything."""
     towards = RotationMatrix.MakeZRotation(np.deg2rad(spec.arm.yaw)) @ DIRECTION
     corners = [_corners(support) for support in spec.supports.values()]
     base = np.array(spec.arm.position)
@@ -106,14 +106,14 @@ def viewpoint(spec: SceneSpec) -> tuple[FloatArray, FloatArray]:
 
 
 def _corners(support: SupportSpec) -> FloatArray:
-    """Of the top face in W [m], shape (4, 3)."""
+    """Corners of the top face in W [m], shape (4, 3)."""
     x, y = support.size[0] / 2, support.size[1] / 2
     X_WT = to_transform(support.X_WT)
     return np.array([X_WT @ np.array(p_TC) for p_TC in ((x, y, 0), (x, -y, 0), (-x, y, 0), (-x, -y, 0))])
 
 
 class Stage:
-    """The bodies of a scene as they look (not as they collide), in Meshcat if one is given."""
+    """The visible bodies of a scene (not their collision shapes), shown in Meshcat if one is given."""
 
     def __init__(self, spec: SceneSpec, meshcat: Meshcat | None = None) -> None:
         self._meshcat = meshcat
@@ -134,23 +134,23 @@ class Stage:
 
     @property
     def meshcat(self) -> Meshcat:
-        """Where the bodies are shown."""
+        """Meshcat that shows the bodies."""
         if self._meshcat is None:
             raise ValueError("this stage has no Meshcat")
         return self._meshcat
 
     def show(self, c: Configuration) -> None:
-        """Move the bodies in Meshcat to where they are in c."""
+        """Move the bodies in Meshcat to their poses in c."""
         self._set(c)
         self._diagram.ForcedPublish(self._context)
 
     def poses(self, c: Configuration) -> dict[str, RigidTransform]:
-        """X_WB in c of every body that can move, by its path in Meshcat."""
+        """Return X_WB in c of every movable body, by its path in Meshcat."""
         self._set(c)
         return {path: body.EvalPoseInWorld(self._plant_context) for path, body in self._moving.items()}
 
     def shapes(self, c: Configuration) -> QueryObject:
-        """The shapes that are drawn, where they are in c; valid until the next call of any method."""
+        """Return the drawn shapes at their poses in c; valid until the next call of any method."""
         self._set(c)
         scene_graph = self._diagram.scene_graph()
         query: QueryObject = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(self._context))

@@ -1,4 +1,4 @@
-"""The poses of a recording, body by body, reduced to the moments that are needed to show it."""
+"""Tracks of the bodies in a recording, reduced to the moments needed to show it."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -12,15 +12,15 @@ from ictamp_drake.viz.stage import Stage
 from ictamp_drake.world.outcome import Frame
 
 TOLERANCE = 5e-4
-"""How far from the recording a shown pose may be: position [m], components of the unit quaternion."""
+"""Maximum deviation of a shown pose from the recording: position [m], components of the unit quaternion."""
 
 
 class Track(NamedTuple):
-    """How a body moves, straight from key to key.
+    """Motion of a body, linear between keys.
 
     Attributes:
-        times: of the keys, increasing [s], shape (n,).
-        poses: X_WB at the keys, shape (n, 7).
+        times: Increasing times of the keys [s], shape (n,).
+        poses: Poses X_WB at the keys, shape (n, 7).
     """
 
     times: FloatArray
@@ -28,7 +28,7 @@ class Track(NamedTuple):
 
 
 def tracks(stage: Stage, frames: Sequence[Frame]) -> dict[str, Track]:
-    """The track of every body that can move, by its path in Meshcat; a body that stands still has one key."""
+    """Return the track of every movable body by its path in Meshcat; a body that stands still has a single key."""
     times = np.array([frame.time for frame in frames])
     shown = [stage.poses(frame.c) for frame in frames]
     X_WB = np.array([[X.GetAsMatrix34() for X in poses.values()] for poses in shown])

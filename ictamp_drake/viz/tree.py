@@ -1,7 +1,7 @@
-"""The picture of a search, as the paper's Figure 1, from the record that `planning.tree.Tree.to_dict` writes.
+"""Picture of a search like the paper's Figure 1, from the record that `planning.tree.Tree.to_dict` writes.
 
 Depth runs to the right, so a rollout is a straight line. Solid lines are steps that succeeded; a dashed stub with a
-cross stands for all failures of one action at one node. The plans that the root was given stand to its left.
+cross stands for all failures of one action at one node. The opened plans are listed to the left of the root.
 """
 
 from collections import Counter
@@ -12,23 +12,23 @@ from ictamp_drake.viz.drawing import Color, Drawing, Point, to_hex
 from ictamp_drake.viz.layout import CAUSE_COLORS, FOUND, LABEL, LINE, REFUSED, Layout, Record, Stub
 
 ROW, MARGIN, HEADER, SHELF = 0.3, 0.25, 0.75, 2.85  # sizes on paper [in]
-LETTER = 0.062  # width of a letter of a label [in]
+LETTER = 0.062  # width of a letter in labels [in]
 MAX_PLANS = 12  # plans listed beside the root
 
 
 def draw_tree(tree: Record, path: Path, title: str = "") -> None:
-    """Write the picture of a search as SVG or PNG, whichever the path's suffix says.
+    """Write the picture of a search as SVG or PNG, depending on the path's suffix.
 
     Args:
-        tree: what `Tree.to_dict` returned, or the same read from a file.
-        path: where to write.
-        title: put before the figures of the search.
+        tree: Record from `Tree.to_dict`, also when read from a file.
+        path: File to write.
+        title: Title in front of the search's numbers.
     """
     _Picture(tree).draw(title).save(path)
 
 
 class _Picture:
-    """Everything that is drawn, placed in inches from the root; y grows upwards."""
+    """The whole picture, with places in inches from the root; y grows upwards."""
 
     def __init__(self, tree: Record) -> None:
         self.tree = tree
@@ -68,7 +68,7 @@ class _Picture:
             x += 0.3 + LETTER * len(text)
 
     def _shelf(self) -> list[tuple[str, Color | None]]:
-        """One line and one colour for each opened plan, the tried ones first."""
+        """Return a line of text and a color for each opened plan, the tried ones first."""
         tries = Counter(step["plan"] for step in self.layout.steps if step["node"] == 0)
         lines: list[tuple[bool, str, int]] = []
         steps = 0

@@ -1,4 +1,4 @@
-"""Surfaces as triangles, each of shape (n, 3, 3) in the frame of its shape [m], counterclockwise seen from outside."""
+"""Surfaces as triangles of shape (n, 3, 3), in the frame of the solid [m], counterclockwise seen from outside."""
 
 import base64
 import json
@@ -10,7 +10,7 @@ import numpy as np
 from ictamp_drake.core.types import FloatArray
 
 SECTIONS = 32
-"""Of everything round, about its axis."""
+"""Number of sections of round solids about their axis."""
 
 _CORNERS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
@@ -19,18 +19,18 @@ _FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3
 
 
 def box(size: FloatArray) -> FloatArray:
-    """A box about the origin with these sides [m], shape (3,)."""
+    """Triangles of a box about the origin with sides `size` [m], shape (3,)."""
     return _split_quads(_CORNERS[_FACES] * (np.asarray(size) / 2))
 
 
 def cylinder(radius: float, length: float) -> FloatArray:
-    """A cylinder about the origin along z."""
+    """Triangles of a cylinder about the origin along z."""
     half = length / 2
     return _revolve(np.array([[0.0, -half], [radius, -half], [radius, half], [0.0, half]]))
 
 
 def capsule(radius: float, length: float) -> FloatArray:
-    """A cylinder along z of this length between two half spheres; a sphere when it has none."""
+    """Triangles of a cylinder along z between two hemispheres; a sphere if `length` is 0."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, SECTIONS // 2 + 1)
     profile = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     middle = len(profile) // 2
@@ -39,7 +39,7 @@ def capsule(radius: float, length: float) -> FloatArray:
 
 
 def _revolve(profile: FloatArray) -> FloatArray:
-    """What a line (distance from the z axis, z), from its lowest to its highest point, sweeps about the axis."""
+    """Revolve a profile (distance from the z axis, z), from its lowest to its highest point, about the axis."""
     angles = np.linspace(0, 2 * np.pi, SECTIONS + 1)
     x, y = (np.outer(profile[:, 0], turn) for turn in (np.cos(angles), np.sin(angles)))
     points = np.stack([x, y, np.broadcast_to(profile[:, 1:], x.shape)], axis=-1)
@@ -48,13 +48,13 @@ def _revolve(profile: FloatArray) -> FloatArray:
 
 
 def _split_quads(quads: FloatArray) -> FloatArray:
-    """Two triangles for each quadrilateral, shape (n, 4, 3) -> (2 n, 3, 3)."""
+    """Split each quadrilateral into two triangles, shape (n, 4, 3) -> (2 n, 3, 3)."""
     return quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
 
 
 @cache
 def read_gltf(path: Path) -> tuple[FloatArray, FloatArray]:
-    """Triangles and colour (red, green, blue in [0, 1]) of a file that `tools.panda.gltf` wrote."""
+    """Read the triangles and the color (red, green, blue in [0, 1]) of a file that `tools.panda.gltf` wrote."""
     document = json.loads(path.read_text(encoding="utf-8"))
     data = base64.b64decode(document["buffers"][0]["uri"].partition(",")[2])
     (primitive,) = document["meshes"][0]["primitives"]

