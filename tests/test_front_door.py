@@ -1,4 +1,4 @@
-"""The names that users are promised: from a scene to a plan, and what is observed before planning."""
+"""The public names: from a scene to a plan, and observations before planning."""
 
 import subprocess
 import sys
@@ -136,7 +136,7 @@ def test_a_start_that_cannot_be_is_refused(task: ict.Task, start: ict.Start) -> 
 
 
 def test_planning_goes_on_with_what_is_held(plan: ict.Plan, tmp_path: Path) -> None:
-    """The first skill of a plan picks a box; planning again from there, as observed, needs one skill less."""
+    """The first skill of a plan picks a box; planning again from the observed start then needs one skill less."""
     c = plan.attempts[0].successor
     assert c is not None
     assert c.held

@@ -1,4 +1,4 @@
-"""The program for one's own scenes, as a subprocess: what it leaves, that it is repeatable, and what it refuses."""
+"""The program for your own scenes, as a subprocess: its files, its repeatability, and what it refuses."""
 
 import json
 import re
@@ -170,7 +170,7 @@ def test_a_finished_run_has_nothing_left_to_do(
 
 
 def refuse(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """The sentence with which the program refuses the arguments."""
+    """Sentence with which the program refuses the arguments."""
     assert program.main("ictamp_drake.plan", PlanOptions, work, arguments) == BAD_INPUT
     output = capsys.readouterr()
     assert output.out == ""

@@ -49,7 +49,7 @@ def trained(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_what_can_be_learned_is_learned(trained: Path) -> None:
-    """The outcome depends on k and on where the box is: the critics see both, P only the one."""
+    """The outcome depends on k and on the box's place: the critics see both, P only the place."""
     critics, P = load(trained, "policy", "pick").metrics, load(trained, "estimator", "pick").metrics
     assert critics["auc"] > 0.8
     assert critics["brier_skill"] > 0.2
@@ -59,7 +59,7 @@ def test_what_can_be_learned_is_learned(trained: Path) -> None:
 
 
 def test_the_policy_succeeds_more_often_than_chance(trained: Path) -> None:
-    """By the rule itself, in scenes that nothing was learned from."""
+    """Judged by the rule itself, in scenes that were not used for training."""
     model = load_skill(trained, "pick")
     rng = np.random.default_rng(0)
     won = possible = 0

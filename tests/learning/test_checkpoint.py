@@ -1,4 +1,4 @@
-"""Checkpoints come back as they were, or are refused with a sentence."""
+"""Checkpoints are read back unchanged, or refused with a sentence."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Where boxes go: nominal kinematics, and what is learned beside them."""
+"""Motion of boxes: nominal kinematics, and the learned residual."""
 
 import math
 from pathlib import Path
@@ -72,7 +72,7 @@ def test_the_network_shifts_the_box_in_the_frame_of_k(skill: str) -> None:
 
 @pytest.mark.parametrize("skill", ["pick", "place"])
 def test_a_known_residual_is_recovered(skill: str) -> None:
-    """Learned in some situations, found in others."""
+    """Trained in some situations, evaluated in others."""
     torch.manual_seed(0)
     dynamics, training = Dynamics(skill, ONE), displace(skill, 2000, seed=0)
     objective, optimizer = PoseRegression(dynamics), torch.optim.Adam(dynamics.parameters(), 1e-2)

@@ -1,4 +1,4 @@
-"""Figures of probabilities."""
+"""Metrics of probabilities."""
 
 import numpy as np
 import pytest

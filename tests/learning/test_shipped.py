@@ -1,4 +1,4 @@
-"""The networks that come with the package: whole, small, explained, and made for each other."""
+"""The networks in the package are complete, small, documented, and trained together."""
 
 import re
 

@@ -15,7 +15,7 @@ START, END = np.array([-1.0, *[0.0] * 6]), np.array([1.0, *[0.0] * 6])
 
 
 def wall(q: FloatArray, shrunk: float = 0.0) -> bool:
-    """Free outside a wall across the first axis, with a way round it along the second one."""
+    """Free outside a wall across the first axis, which has a way around it along the second axis."""
     return not (abs(q[0]) < 0.3 - shrunk and q[1] < 0.4 - shrunk)
 
 
@@ -82,7 +82,7 @@ def test_interrupt_passes_through_the_library() -> None:
 
 
 def test_library_leaves_nothing_behind() -> None:
-    """Its objects are counted when the interpreter ends, and what was never freed is reported there."""
+    """At exit, the interpreter counts its objects and reports those that were never freed."""
     program = f"""
 import numpy as np
 from ictamp_drake.motion.config import PathConfig

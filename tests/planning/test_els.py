@@ -1,4 +1,4 @@
-"""Effort level search: levels by hand, and what its constants do."""
+"""Effort level search: levels computed by hand, and effects of its constants."""
 
 import numpy as np
 import pytest

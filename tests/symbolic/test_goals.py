@@ -1,4 +1,4 @@
-"""Goals: what is read, and one sentence for each thing that can be wrong."""
+"""Goals: how they are read, and an error for each possible mistake."""
 
 import pytest
 
