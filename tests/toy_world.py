@@ -71,7 +71,7 @@ class ToyWorld:
 
     @property
     def draws(self) -> int:
-        return 3  # what a wall refuses
+        return 3  # all are refused at a wall
 
     @property
     def start(self) -> ToyConfiguration:

@@ -137,7 +137,7 @@ def test_both_trees_are_measured_once_and_nothing_is_left_behind(tmp_path: Path)
         pytest.skip("this is no checkout")
     command = [sys.executable, str(ROOT / "benchmarks" / "against.py"), "--commit", "HEAD", "--rounds", "1"]
     command += ["--scenes", str(SCENES / "tower_2" / "05.yaml"), "--out", str(tmp_path / "out")]
-    for _ in range(2):  # the second time there is nothing left to do
+    for _ in range(2):  # nothing is left to do the second time
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         assert "| tower_2 | 1 | 1 of 1 | 1 of 1 |" in done.stdout

@@ -218,7 +218,7 @@ class Equations:
         efforts = self.efforts_of(tree)
         assert computed == pytest.approx(efforts, rel=CLOSE)
         assert computed is not None
-        run = tree.runs[int(np.argmin(computed))]  # of several that take the same, rounding decides
+        run = tree.runs[int(np.argmin(computed))]  # rounding decides between equal ones
         for entry in news:
             if isinstance(entry, Opening):
                 calls = self.calls[self.Q]

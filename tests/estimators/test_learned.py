@@ -167,7 +167,7 @@ def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoint
 
 
 def test_optimized_parameters_are_those_of_the_greatest_product(world: World, checkpoints: Path) -> None:
-    asked = [*plans(world, 0)[:2], *plans(world, 2)]  # of two lengths
+    asked = [*plans(world, 0)[:2], *plans(world, 2)]  # plans of two lengths
     estimator = QValueConfig(checkpoints, 16, best=True, horizon="plan", refinements=2).create(EstimatorContext(world))
     found = estimator.optimize(asked, generator(Stream.EVALUATION, world.spec.seed))
     assert [value for value, _ in found] == estimator.estimate(asked).tolist()

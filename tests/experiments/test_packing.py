@@ -85,7 +85,7 @@ def test_kill_9_in_mid_run_loses_no_finished_problem(tmp_path: Path) -> None:
     finished = results(tmp_path)
     assert 1 <= len(finished) < 3
     with (tmp_path / "out" / "results.jsonl").open("a") as file:
-        file.write('{"problem": "easy-0')  # as if the machine had died while it wrote
+        file.write('{"problem": "easy-0')  # as if the machine had died while writing
 
     again = run("experiments.packing", "--out", "out", *options, folder=tmp_path)
     assert again.returncode == COMPLETE, again.stderr

@@ -70,7 +70,7 @@ def test_the_policy_succeeds_more_often_than_chance(trained: Path) -> None:
             if succeeds(matrix, np.zeros(4)):
                 possible += 4
                 won += sum(succeeds(matrix, k) for k in drawn)
-    assert won / possible > 0.75  # of uniform draws, a half
+    assert won / possible > 0.75  # half of uniform draws succeed
 
 
 def test_the_checkpoint_says_where_it_comes_from(trained: Path, data: Path) -> None:
@@ -99,7 +99,7 @@ def test_an_interrupted_program_keeps_the_best_and_goes_on_to_the_same_end(
         nonlocal saved
         original(fit)
         saved += 1
-        if saved in (3, 50):  # in the midst of the critics, then of the policy
+        if saved in (3, 50):  # in the middle of training the critics, then the policy
             raise KeyboardInterrupt
 
     monkeypatch.setattr("ictamp_drake.learning.training.Fit._save", save_or_interrupt)
@@ -135,7 +135,7 @@ def test_an_estimator_learns_from_further_attempts_too(data: Path, trained: Path
     assert found.provenance["also"] == [fingerprint(more)]
     assert found.provenance["data"] == alone.provenance["data"]
     assert found.metrics["count"] == alone.metrics["count"]
-    assert estimator(*given) == 2  # what it learned from is part of the run's purpose
+    assert estimator(*given) == 2  # the training data is part of the run's purpose
 
 
 @pytest.mark.parametrize(

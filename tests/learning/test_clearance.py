@@ -77,7 +77,7 @@ def test_it_makes_no_difference_where_all_of_it_stands(other: Blocks, turn: floa
 def test_what_is_below_is_apart_by_its_distance() -> None:
     low, high = block((0, 0), 0.0, (0.1, 0.1, 0.05)), block((0.01, 0), 0.4, (0.1, 0.1, 0.05), z=0.08)
     assert of_box(high, low) == pytest.approx(0.03)
-    assert of_box(low, high) < 0  # what comes down from above does not fit
+    assert of_box(low, high) < 0  # nothing fits in from above
 
 
 @given(st.floats(0.03, 0.1))

@@ -75,7 +75,7 @@ def test_what_is_spread_stands_for_the_draws(policy: Policy) -> None:
     torch.testing.assert_close(alone, u[2:3], rtol=1e-3, atol=1e-4)
     for value in (torch.sin, torch.cos, torch.tanh):
         error = (value(u).mean(dim=1) - value(draws).mean(dim=1)).abs()
-        assert (error < 0.4 * value(draws).std(dim=1) / 8).float().mean() > 0.6  # chance leaves a third so good
+        assert (error < 0.4 * value(draws).std(dim=1) / 8).float().mean() > 0.6  # a third would be this good by chance
 
 
 def test_yaw_goes_round_in_a_mixture() -> None:

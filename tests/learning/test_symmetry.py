@@ -59,7 +59,7 @@ def test_the_frames_of_all_objects_may_be_turned(spec: SceneSpec, skill: str) ->
     boxes = {name: turn_box(box) if box.rotation[:2] == (0, 0) else box for name, box in spec.boxes.items()}
     supports = {name: turn_support(support) for name, support in spec.supports.items()}
     tipped = [name for name, box in boxes.items() if box is spec.boxes[name]]
-    if tipped:  # which row is whose is the observer's affair
+    if tipped:  # the observer decides the order of the rows
         return
     batch = batch_of(observe(spec, skill))
     other = turn_frames(skill, batch, torch.ones(1, ROWS, dtype=torch.long)).matrix
@@ -107,7 +107,7 @@ def test_the_mirror_image_is_what_a_mirrored_scene_shows(spec: SceneSpec, skill:
     image = mirror(batch_of(observe(spec, skill))).matrix
     expected = observe(replace(spec, boxes=boxes, supports=supports), skill, q)
     tipped = any(box.rotation[:2] != (0, 0) for box in spec.boxes.values())
-    if not tipped:  # the axis that points up is another one then
+    if not tipped:  # another axis points up then
         torch.testing.assert_close(image, expected, rtol=1e-4, atol=1e-4)
 
 
@@ -136,4 +136,4 @@ def test_variety_comes_from_the_generator_alone(skill: str) -> None:
     assert torch.equal(first.k, again.k)
     assert not torch.equal(first.matrix, other.matrix)
     left = (first.k[:, :2] - k[:, :2]).abs().sum(-1) < 1e-6
-    assert 0.03 < left.float().mean() < 0.25  # an eighth is left as it is
+    assert 0.03 < left.float().mean() < 0.25  # an eighth stays unchanged

@@ -137,7 +137,7 @@ def test_whatever_overhangs_a_rim_is_carried(size: tuple[float, float, float], s
     inner = support / 2 - MARGIN
     reach = np.hypot(side, length) / 2
     for i in range(1500):
-        # near a corner, near a side, or as near to the rim as may be
+        # near a corner, near a side, or as near to the rim as possible
         centre = inner - rng.uniform(0.0, np.minimum(2 * inner, (reach, reach) if i % 3 else (0.0, 2 * inner[1])))
         yaw = rng.choice([0.0, np.pi / 4, np.pi / 2, rng.uniform(0.0, np.pi)])
         assert reach_of_contacts(support, rim, (side, length), centre, yaw) > 0.8e-3, (centre, yaw)

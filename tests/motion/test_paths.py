@@ -46,7 +46,7 @@ def test_same_seed_gives_the_same_path_whatever_came_before() -> None:
 
 def test_no_path_within_the_checks_is_none() -> None:
     assert find(max_checks=10) is None
-    assert find(margin=0.2) is None  # the way round is farther out than that
+    assert find(margin=0.2) is None  # the way around is farther out
 
 
 def test_checks_may_be_as_far_apart_as_the_margin_is_wide_and_no_further() -> None:

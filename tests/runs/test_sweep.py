@@ -79,7 +79,7 @@ def test_the_result_is_told_before_its_pages_are_made(job: Job, tmp_path: Path) 
 def test_a_job_in_this_process_leaves_what_it_leaves_in_a_worker(job: Job, tmp_path: Path) -> None:
     here, there = done(job, tmp_path / "here"), done(job, tmp_path / "there", alone=False)
     assert timeless(here.records[0]) == timeless(there.records[0])
-    for name in ("scene.yaml", "plan.yaml", *(PAGES - {"search.html"})):  # which tells what the steps took
+    for name in ("scene.yaml", "plan.yaml", *(PAGES - {"search.html"})):  # which has the times of the steps
         assert (tmp_path / "here" / "scene" / name).read_bytes() == (tmp_path / "there" / "scene" / name).read_bytes()
 
 

@@ -68,8 +68,8 @@ def physics() -> Physics:
     ("name", "value", "sentence"),
     [
         ("time_step", 0.0, r"physics\.time-step is 0, but must be between 1e-05 and 0\.1"),
-        ("settle_check", 0.0, r"physics\.settle-check is 0, but"),  # would wait for ever
-        ("min_pad_force", 0.0, r"physics\.min-pad-force is 0, but"),  # all that is there would be held
+        ("settle_check", 0.0, r"physics\.settle-check is 0, but"),  # would wait forever
+        ("min_pad_force", 0.0, r"physics\.min-pad-force is 0, but"),  # everything would be held
         ("arm_stiffness", (100.0, 200.0), r"physics\.arm-stiffness is \[100\.0, 200\.0\], but must be seven numbers"),
         ("arm_damping", (-1.0,) * 7, r"physics\.arm-damping is .*, but each number must be between 0 and 1e\+09"),
     ],
@@ -399,7 +399,7 @@ def test_pushing_into_a_heavy_obstacle_takes_no_more_than_the_effort_limits() ->
     efforts = _efforts(physics, c, (way("push", c.q[:7], through_the_table, 1.5, OPEN), stay(c, 0.2)))
     limits = np.array([limit.effort for limit in ARM_LIMITS])
     assert np.all(efforts[:7] <= limits * (1 + 1e-9))
-    assert efforts[1] == pytest.approx(limits[1])  # it did push as hard as it may
+    assert efforts[1] == pytest.approx(limits[1])  # it pushed as hard as allowed
     blocked = physics.run(c, (way("push", c.q[:7], through_the_table, 1.5, OPEN),))
     assert np.abs(blocked.c.q[:7] - through_the_table).max() > 0.1
 
