@@ -1,4 +1,4 @@
-"""The picture of a scene shows what is there, where it is."""
+"""The picture of a scene shows its objects at their places."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +16,7 @@ from tests.viz.scene import SPEC, START, swing
 
 
 def color_at(image: np.ndarray, p_W: np.ndarray) -> np.ndarray:
-    """Mean colour around where a point in W [m] must appear."""
+    """Mean color around the place where a point in W [m] must appear."""
     x, y, _ = Camera(*viewpoint(SPEC), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT).project(p_W)
     column, row = round(x / 2), round(y / 2)
     return image[row - 2 : row + 3, column - 2 : column + 3].mean(axis=(0, 1))
