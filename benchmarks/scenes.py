@@ -53,7 +53,7 @@ def make_scene(kind: str, number: int) -> SceneSpec:
     names = [f"cube_{index}" for index in range(count)]
     spots = place_stacks([SIDE / math.sqrt(2)] * count, [Zone.FRONT] * count, [False] * count, rng)
     boxes = {
-        name: BoxSpec((SIDE,) * 3, (*spot, SIDE / 2), (0.0, 0.0, round(rng.uniform(-180, 180), 1)), colour=color)
+        name: BoxSpec((SIDE,) * 3, (*spot, SIDE / 2), (0.0, 0.0, round(rng.uniform(-180, 180), 1)), color=color)
         for name, spot, color in zip(names, spots, COLORS, strict=False)
     }
     if kind == "scattered":

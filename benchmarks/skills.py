@@ -39,7 +39,7 @@ SEED = 1
 """Seed of the scenes; the training scenes have seed 0."""
 SOURCES = {
     "uniform": "uniform",
-    "optimisation": "optimisation-based",
+    "optimization": "optimization-based",
     "reference": "STAP's actor-critic, one draw",
     "policy": "policy, one draw",
     "best": "policy, best of 16 by Q",
@@ -84,7 +84,7 @@ def collect(options: Options) -> None:
 def rates(attempts: pd.DataFrame) -> Iterator[dict[str, str]]:
     """Yield a row per skill and source: share of successes in all and in doable cases, with 95 % intervals."""
     attempts["won"] = attempts["failure"].isna()
-    by_optimization = attempts[attempts["sampler"] == "optimisation"].groupby(CASE, observed=True)["won"].any()
+    by_optimization = attempts[attempts["sampler"] == "optimization"].groupby(CASE, observed=True)["won"].any()
     attempts = attempts.join(by_optimization.rename("doable"), on=CASE)
     for skill in ("pick", "place"):
         for name, title in SOURCES.items():
@@ -97,7 +97,7 @@ def rates(attempts: pd.DataFrame) -> Iterator[dict[str, str]]:
                     "cases": str(len(rows.groupby(CASE, observed=True))),
                     "success": share(rows),
                     "doable cases": str(len(doable.groupby(CASE, observed=True))),
-                    "success there": "" if name == "optimisation" else share(doable),
+                    "success there": "" if name == "optimization" else share(doable),
                 }
 
 
@@ -137,7 +137,7 @@ def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]
     learned = {"policy": PolicyConfig(options.checkpoints, 1), "best": PolicyConfig(options.checkpoints, 16, 0.0)}
     if options.reference:
         learned["reference"] = PolicyConfig(options.reference, 1)
-    configs = {"uniform": UniformConfig(), "optimisation": OptimizationConfig(), **learned}
+    configs = {"uniform": UniformConfig(), "optimization": OptimizationConfig(), **learned}
     return {name: config.create(SamplerContext(world, arm)) for name, config in configs.items()}
 
 

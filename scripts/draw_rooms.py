@@ -28,8 +28,11 @@ WIDTH, HEIGHT, GAP, FLOOR, MARGIN = 130, 36, 26, 74, 14
 LANE = 8
 """Width of a passing arrow in a row [px]."""
 
-SWEEPS = 60
+SWEEPS = 100
 """Passes over the rows; the first half also orders them."""
+
+PULL = 0.8
+"""Keeps rows near the middle: a node is drawn this far towards its neighbours, and the rest towards the middle."""
 
 
 def read_imports() -> Imports:
@@ -78,7 +81,7 @@ def draw(imports: Imports) -> str:
     height = len(rows) * FLOOR - (FLOOR - HEIGHT) + 2 * MARGIN
     y = {node: height - MARGIN - HEIGHT / 2 - floor * FLOOR for floor, row in enumerate(rows) for node in row}
     points = {node: (x[node], y[node]) for node in x}
-    width = max(x[room] for room in imports) + WIDTH / 2 + MARGIN
+    width = max(x[node] + _width(node) / 2 for node in x) + MARGIN
     lines = [_arrow([points[node] for node in chain]) for chain in chains]
     boxes = [_box(room, points[room]) for room in imports]
     return _HEAD.format(width=width, height=height) + "\n".join([*lines, *boxes, "</svg>"]) + "\n"
@@ -116,19 +119,21 @@ def _make_rows(floors: Mapping[str, int], chains: Sequence[Sequence[str]]) -> li
 
 
 def _place(rows: Sequence[list[str]], chains: Sequence[Sequence[str]]) -> dict[str, float]:
-    """Order the rows so that few arrows cross and bend, and return the middle of each node."""
-    neighbours: defaultdict[str, list[str]] = defaultdict(list)
+    """Middle of each node, so that few arrows cross and bend; orders the rows."""
+    above: defaultdict[str, list[str]] = defaultdict(list)
+    below: defaultdict[str, list[str]] = defaultdict(list)
     for chain in chains:
-        for one, other in pairwise(chain):
-            neighbours[one].append(other)
-            neighbours[other].append(one)
+        for upper, lower in pairwise(chain):
+            below[upper].append(lower)
+            above[lower].append(upper)
     x = {node: middle for row in rows for node, middle in _spread(row, dict.fromkeys(row, 0.0)).items()}
     for sweep in range(SWEEPS):
-        for row in rows if sweep % 2 else rows[::-1]:
-            wanted = {node: mean(x[near] for near in neighbours[node]) for node in row}
+        upwards = sweep % 2 == 1
+        for row in rows if upwards else rows[::-1]:
             if sweep < SWEEPS // 2:
-                row.sort(key=lambda node: (round(wanted[node], 3), node))
-            x |= _spread(row, wanted)
+                placed = below if upwards else above
+                row.sort(key=lambda node: mean([x[near] for near in placed[node]] or [x[node]]))
+            x |= _spread(row, {node: PULL * mean(x[near] for near in above[node] + below[node]) for node in row})
     left = min(x[node] - _width(node) / 2 for node in x)
     return {node: round(middle - left + MARGIN, 1) for node, middle in x.items()}
 

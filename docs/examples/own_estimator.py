@@ -49,7 +49,7 @@ class Room:
 
 
 def main() -> None:
-    method = Method(sampler="optimisation", time_limit=250)
+    method = Method(sampler="optimization", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, estimator=RoomConfig()).result
     assert result.solved, result.stop_reason

@@ -46,7 +46,7 @@ class Patient(Generic[C]):
 
 
 def main() -> None:
-    method = Method(sampler="optimisation", estimator="constant", time_limit=250)
+    method = Method(sampler="optimization", estimator="constant", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, planner=PatientConfig(patience=2)).result
 

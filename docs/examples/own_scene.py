@@ -14,10 +14,10 @@ def main() -> None:
     spec = load_scene(Path(__file__).with_name("own_scene.yaml"))
 
     # The same with one box more, which stands on the red one and is in the way.
-    green = BoxSpec(size=(0.05, 0.05, 0.06), position=(0.45, 0.1, 0.13), colour=(0.3, 0.65, 0.35))
+    green = BoxSpec(size=(0.05, 0.05, 0.06), position=(0.45, 0.1, 0.13), color=(0.3, 0.65, 0.35))
     spec = replace(spec, boxes={**spec.boxes, "green_box": green}, goal="(on red_box rack)")
 
-    method = Method(sampler="optimisation", estimator="constant", seed=1, time_limit=250)
+    method = Method(sampler="optimization", estimator="constant", seed=1, time_limit=250)
     task = load(spec, method)  # from a file: load(path, method)
     solution = solve(task, method)
 

@@ -63,7 +63,7 @@ class ProvenPick:
 
 
 def main() -> None:
-    method = Method(sampler="optimisation", estimator="constant", time_limit=250)
+    method = Method(sampler="optimization", estimator="constant", time_limit=250)
     task = load(Path(__file__).with_name("own_scene.yaml"), method)
     result = solve(task, method, skills=SkillsConfig(pick=ProvenPickConfig())).result
 

@@ -35,7 +35,7 @@ class Sources:
     """Weights of the sources of k; each attempt draws its source in proportion to them.
 
     Attributes:
-        optimisation: Weight of the optimization-based sampler.
+        optimization: Weight of the optimization-based sampler.
         perturbed: Weight of the optimization-based sampler with noise.
         uniform: Weight of k drawn anywhere on the target.
         policy: Weight of a plain draw from the trained policy, as in the paper.
@@ -44,7 +44,7 @@ class Sources:
         reference: Weight of a plain draw from another trained policy.
     """
 
-    optimisation: float = 0.1
+    optimization: float = 0.1
     perturbed: float = 0.65
     uniform: float = 0.25
     policy: float = 0.0

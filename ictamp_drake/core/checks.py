@@ -51,6 +51,13 @@ def check_vector(
         raise IctampError(Code.OUT_OF_RANGE, expected, field=field, value=values)
 
 
+def check_count(field: str, values: Sequence[object], low: int, high: int) -> None:
+    """Raise IctampError unless there are `low` to `high` values."""
+    if not low <= len(values) <= high:
+        expected = f"expected {low} to {high} values, got {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, expected, field=field, value=values)
+
+
 def check_choice(field: str, value: str, choices: Iterable[str]) -> None:
     """Raise IctampError unless `value` is one of `choices`."""
     choices = tuple(choices)

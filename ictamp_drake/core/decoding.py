@@ -8,6 +8,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import Code, IctampError, join_fields
+from ictamp_drake.core.spelling import respell
 
 T = TypeVar("T")
 
@@ -27,9 +28,12 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
     """
     fields, hints = _fields(schema)  # type: ignore[arg-type]  # a class can be hashed
     values = {}
-    for name, value in mapping(raw, where).items():
+    for written, value in mapping(raw, where).items():
+        name = written if written in fields else respell(written)
         if name not in fields:
-            raise IctampError(Code.UNKNOWN_FIELD, "unknown field", field=join_fields(where, name), choices=fields)
+            raise IctampError(Code.UNKNOWN_FIELD, "unknown field", field=join_fields(where, written), choices=fields)
+        if name in values:
+            raise IctampError(Code.REPEATED, f"expected either {name} or {written}", field=join_fields(where, name))
         values[name] = _value(hints[name], value, join_fields(where, name))
     for name, is_required in fields.items():
         if is_required and name not in values:

@@ -124,6 +124,9 @@ def join_fields(field: str, rest: str) -> str:
     return field + rest if not field or not rest or rest.startswith("[") else f"{field}.{rest}"
 
 
+_LONGEST = 200
+
+
 class _Shown(reprlib.Repr):
     def __init__(self) -> None:
         super().__init__()
@@ -139,4 +142,5 @@ def show(value: object) -> str:
     """Return the value as messages quote it: on one line, abbreviated if it is long."""
     if isinstance(value, Path):
         value = str(value)
-    return _Shown().repr(list(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else value)
+    text = _Shown().repr(list(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else value)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."

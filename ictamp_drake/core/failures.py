@@ -27,12 +27,12 @@ class Failure(Enum):
 
 _ADVICE = {
     Failure.NO_INVERSE_KINEMATICS: "move the object or its receptacle to where the arm can reach it from above",
-    Failure.GOAL_IN_COLLISION: "leave more room around the object or where it is to stand",
-    Failure.NO_PATH: "leave the arm a wider way between the objects",
+    Failure.GOAL_IN_COLLISION: "leave more room around the object, or around the place where it is to stand",
+    Failure.NO_PATH: "leave the arm wider gaps between the objects",
     Failure.NOT_GRASPED: "check the object's mass, friction and width, or raise --skills.pick.force",
     Failure.SLIPPED: "check the object's mass and friction, or raise --skills.pick.force",
     Failure.TOPPLED: "place the object on a wider or firmer base",
     Failure.OTHER_MOVED: "leave more room between the objects",
-    Failure.WRONG_STATE: "look at the attempts in search.html",
+    Failure.WRONG_STATE: "see the attempts in search.html",
     Failure.NOT_SETTLED: "check the object's mass and friction, and whether it can come to rest there",
 }

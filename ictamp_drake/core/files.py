@@ -23,7 +23,7 @@ def make_folder(path: Path) -> None:
         if not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except OSError as error:
-        problem = f"cannot be written as a folder: {error.strerror}"
+        problem = f"cannot be made or written: {error.strerror}"
         raise IctampError(Code.NOT_WRITABLE, problem, file=path) from error
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.spelling import spellings
 
 MAX_BYTES = 64 * 2**20
 """Size of the largest file that is read [bytes]."""
@@ -101,10 +102,9 @@ def parse(text: str) -> object:
         IctampError: A syntax error, an impossible value, a repeated key, or a document that is too large or too deep.
     """
     try:
-        with suppress(yaml.YAMLError):  # parse again what libyaml refuses, for a better message
-            _check_limits(text)
-            return yaml.load(text, Loader=_Loader)
-        return yaml.load(text, Loader=_PythonLoader)
+        with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
+            return _load(text, _Loader)
+        return _load(text, _PythonLoader)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else None
         raise IctampError(Code.NOT_YAML, f"not valid YAML: {error.problem}", line=line) from error
@@ -140,11 +140,16 @@ def in_file(path: Path | str) -> Iterator[None]:
         raise
 
 
-def _check_limits(text: str) -> None:
-    """Raise IctampError when a YAML document is nested too deeply or, with expanded aliases, too large."""
-    measures: dict[str, tuple[int, int]] = {}  # size and height by anchor
-    unfinished: list[tuple[str | None, int, int]] = [(None, 0, 0)]  # anchor, size and height of each open collection
-    for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+def _load(text: str, loader: type[_Loader | _PythonLoader]) -> object:
+    _check_limits(text, loader)
+    return yaml.load(text, Loader=loader)
+
+
+def _check_limits(text: str, loader: type[_Loader | _PythonLoader]) -> None:
+    """Raise IctampError when a YAML document is nested too deep or, with its aliases written out, too large."""
+    measures: dict[str, tuple[int, int]] = {}  # size and height of what has an anchor
+    unfinished: list[tuple[str | None, int, int]] = [(None, 0, 0)]  # of each collection anchor, size and height
+    for event in yaml.parse(text, Loader=loader):
         line = event.start_mark.line + 1 if event.start_mark else None
         if isinstance(event, yaml.CollectionStartEvent):
             unfinished.append((event.anchor, 1, 1))
@@ -167,19 +172,25 @@ def _check_limits(text: str) -> None:
 
 
 def _find_line(path: Path, field: str) -> int | None:
-    """Line of a field or, if it is missing, of its nearest parent; None if the file cannot be read."""
-    with suppress(IctampError, yaml.YAMLError):
-        node, line = yaml.compose(read_text(path), Loader=_Loader), None
-        for key in re.findall(r"[^.\[\]]+", field):
-            if isinstance(node, yaml.MappingNode):
-                found = [(name, value) for name, value in node.value if name.value == key]
-            elif isinstance(node, yaml.SequenceNode) and key.isdigit():
-                found = [(item, item) for item in node.value[int(key) : int(key) + 1]]
-            else:
-                found = []
-            if not found:
-                break
-            (name, node), *_ = found
-            line = _line(name)
-        return line
+    """Line of a field or, if it is missing, of what should have it; None if the file cannot be read."""
+    for loader in (_Loader, _PythonLoader):
+        with suppress(IctampError, yaml.YAMLError):
+            return _find_node(yaml.compose(read_text(path), Loader=loader), field)
     return None
+
+
+def _find_node(node: yaml.Node | None, field: str) -> int | None:
+    """Line of the part of a node that a field leads to, or of the last one on the way that is there."""
+    line = None
+    for key in re.findall(r"[^.\[\]]+", field):
+        if isinstance(node, yaml.MappingNode):
+            found = [(name, value) for name, value in node.value if name.value in spellings(key)]
+        elif isinstance(node, yaml.SequenceNode) and key.isdigit():
+            found = [(item, item) for item in node.value[int(key) : int(key) + 1]]
+        else:
+            found = []
+        if not found:
+            break
+        (name, node), *_ = found
+        line = _line(name)
+    return line

@@ -1,4 +1,4 @@
-"""The estimator that knows nothing: every step is as likely to succeed as every other."""
+"""Estimator without any knowledge: every step is as likely to succeed as every other."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ class ConstantConfig:
     """Configuration of the constant estimator.
 
     Attributes:
-        P: the probability given to every step, in [0, 1]. With 1, optimism where nothing is known, Score_low is
-            1 / (1 + cnt): the search counts attempts and nothing else. A lower P opens more high-level plans.
+        P: Probability given to every step, in [0, 1]. With 1, which is optimism where nothing is known,
+            Score_low is 1 / (1 + cnt): only attempts count. A lower P opens more high-level plans.
     """
 
     P: float = 1.0
@@ -31,7 +31,7 @@ class ConstantConfig:
 
 @dataclass(frozen=True)
 class Constant:
-    """P(c, a) = P, the base line of every learned estimator."""
+    """P(c, a) = P, the baseline of every learned estimator."""
 
     P: float
 

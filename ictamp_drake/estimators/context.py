@@ -1,4 +1,4 @@
-"""What an estimator of P is made from."""
+"""Inputs from which an estimator of P is created."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class NoSkills:
-    """Stands for skills where none are run, as when estimates are compared.
+    """Placeholder for skills where none are run, e.g. when estimates are compared.
 
     Attributes:
-        draws: Parameters k that an attempt would draw.
+        draws: Number of parameters k that an attempt would draw.
     """
 
     draws: int = 1
@@ -27,11 +27,11 @@ class NoSkills:
 
 @dataclass(frozen=True)
 class EstimatorContext:
-    """What an estimator is made from.
+    """Inputs from which an estimator is created.
 
     Attributes:
         world: The scene.
-        skills: Those that the search runs, for estimators that try.
+        skills: Skills that the search runs, for estimators that try them.
     """
 
     world: "World"

@@ -1,4 +1,4 @@
-"""Plans run in the imagination: policies choose k, critics say how likely it is, learned dynamics what it leaves."""
+"""Rollouts of plans without a simulator: policies choose k, critics estimate success, learned dynamics the result."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
     from ictamp_drake.learning.models import DynamicsModel, SkillModel
 
 ELITES = 0.25
-"""Share of the rollouts that the cross-entropy method keeps."""
+"""Fraction of the rollouts that the cross-entropy method keeps."""
 
 
 class Rollouts(NamedTuple):
-    """Several runs of each of n plans, of which the longest has L steps.
+    """Several runs of each of n plans, the longest of which has L steps.
 
     Attributes:
-        k: of each step, zero after a plan's end, shape (n, runs, L, 4).
-        product: of Q along the plan, shape (n, runs).
+        k: Parameters of each step, zero after a plan's end, shape (n, runs, L, 4).
+        product: Product of Q along the plan, shape (n, runs).
     """
 
     k: FloatArray
@@ -33,10 +33,10 @@ class Imagination:
     """Runs the plans of one scene without a simulator.
 
     Args:
-        observer: makes the matrices of the scene.
-        skills: policies and critics.
-        dynamics: what the skills leave; a depth of 1 needs none.
-        depth: steps of a plan that are run at most, all by default.
+        observer: Observer that makes the matrices of the scene.
+        skills: Policies and critics by skill.
+        dynamics: Dynamics by skill, which predict what the skill leaves. A depth of 1 needs none.
+        depth: Maximum number of steps run of each plan. If None, all are run.
     """
 
     def __init__(
@@ -54,20 +54,20 @@ class Imagination:
     def run(
         self, options: Sequence[ConfiguredPlan], runs: int, rng: np.random.Generator, given: FloatArray | None = None
     ) -> Rollouts:
-        """Several runs of each option's plan, all together and step after step.
+        """Several runs of each option's plan, computed together step by step.
 
         Args:
-            options: n of them, at least one.
-            runs: of each plan.
-            rng: of the policies' draws.
-            given: k in the place of draws, in the shape of the result.
+            options: Configurations with plans, n of them and at least one.
+            runs: Number of runs of each plan.
+            rng: Random numbers of the policies' draws.
+            given: Parameters k to use instead of draws, in the shape of the result.
         """
         plans, n = [plan.actions[: self._depth] for _, plan in options], len(options)
         longest = max(map(len, plans))
         k = np.zeros((n * runs, longest, 4)) if given is None else given.reshape(n * runs, longest, 4)
         product = np.ones(n * runs)
         situations = self._observer.situations([c for c, _ in options])
-        of = np.arange(n * runs).reshape(n, runs)  # the runs in each situation; those of a plan share the first
+        of = np.arange(n * runs).reshape(n, runs)  # the runs in each situation; those of a plan share the first one
         for step in range(longest):
             going = np.flatnonzero([step < len(plans[number]) for number in of[:, 0] // runs])
             of, situations = of[going], situations.select(going)
@@ -82,7 +82,7 @@ class Imagination:
         return Rollouts(k.reshape(n, runs, longest, 4), product.reshape(n, runs))
 
     def _draw(self, actions: Sequence[Action], seen: Observation, count: int, rng: np.random.Generator) -> FloatArray:
-        """So many k of the policies in each situation, shape (m, count, 4)."""
+        """Draws of the policies, `count` for each situation, shape (m, count, 4)."""
         return score_by_skill(actions, seen, lambda skill, part, _: self._skills[skill].draw(part, count, rng))
 
     def _Q(self, actions: Sequence[Action], seen: Observation, k: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ class Imagination:
     def _predict_after(
         self, situations: Situations, actions: Sequence[Action], seen: Observation, k: FloatArray
     ) -> Situations:
-        """What each of several k leaves, one situation after the other: k of shape (m, count, 4)."""
+        """Situations that each of several k leaves, one situation after the other: k of shape (m, count, 4)."""
         count, k = k.shape[1], k.reshape(-1, 4)
         each = np.repeat(np.arange(len(actions)), count)
         actions = [action for action in actions for _ in range(count)]
@@ -109,8 +109,8 @@ class Imagination:
 def refine(rollouts: Rollouts, rng: np.random.Generator) -> FloatArray:
     """k of the best rollouts, and draws around them: an iteration of the cross-entropy method, shape (n, runs, L, 4).
 
-    The Gaussian of each plan has no covariances, as in STAP; yaw is counted from that of the best rollout, and what is
-    drawn stays on the circle.
+    The Gaussian of each plan has no covariances, as in STAP. Yaw is relative to that of the best rollout, and draws of
+    it stay on the circle.
     """
     n, runs = rollouts.product.shape
     count = max(1, round(ELITES * runs))

@@ -1,4 +1,4 @@
-"""What all learned estimators do: one matrix a situation, one call of a network a skill."""
+"""Common part of all learned estimators: one matrix per situation, one call of a network per skill."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,12 +14,12 @@ ConfiguredPlan = tuple[Configuration, Skeleton]
 def score_by_skill(
     actions: Sequence[Action], seen: Observation, score: Callable[[str, Observation, Numbers], FloatArray]
 ) -> FloatArray:
-    """Numbers of all situations, skill by skill.
+    """Numbers of all situations, computed skill by skill.
 
     Args:
-        actions: n of them, at least one.
-        seen: in the n situations.
-        score: of one skill, what is seen in m situations, and which these are, shape (m, ...).
+        actions: Actions, n of them and at least one.
+        seen: Observations of the n situations.
+        score: Function of a skill, the observations of m situations and their indices, with a result of shape (m, ...).
 
     Returns:
         Shape (n, ...).

@@ -1,4 +1,4 @@
-"""Success counted instead of estimated: the ceiling of every estimator, at the price of many executions."""
+"""Success counted instead of estimated: an upper bound for every estimator, at the price of many executions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ from ictamp_drake.estimators.context import EstimatorContext
 
 @dataclass(frozen=True)
 class MonteCarloConfig:
-    """Configuration of the counted success.
+    """Configuration of counted success.
 
     Attributes:
-        executions: of ψ_a in simulation for each estimate.
-        seed: of the parameters k that they draw.
+        executions: Number of executions of ψ_a in simulation for each estimate.
+        seed: Random seed of the parameters k that they draw.
     """
 
     executions: int = 20
@@ -34,7 +34,7 @@ class MonteCarloConfig:
 
 
 class MonteCarlo:
-    """The share of successes among executions, counted once for each configuration and action."""
+    """Fraction of successes among executions, counted once for each configuration and action."""
 
     def __init__(self, config: MonteCarloConfig, skills: SkillRunner[Configuration]) -> None:
         self._config = config
@@ -43,7 +43,7 @@ class MonteCarlo:
         self._known: dict[tuple[Configuration, Action], float] = {}
 
     def estimate(self, options: Sequence[tuple[Configuration, Skeleton]]) -> FloatArray:
-        """The share for the first action of each option, shape (len(options),)."""
+        """Fraction of successes of the first action of each option, shape (len(options),)."""
         return np.array([self._share(c, plan.actions[0], plan.states[1]) for c, plan in options])
 
     def _share(self, c: Configuration, action: Action, promised: State) -> float:

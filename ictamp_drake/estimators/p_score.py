@@ -1,8 +1,8 @@
 """P(c, a), learned from outcomes: a calibrated ensemble over the primitive state matrix (paper, Success Prediction).
 
-What decides is mostly the k that the policy happens to draw. So the ensemble is told k when it learns, and P is its
-mean over a few k that stand for the policy's distribution: an outcome teaches more so than P without k would learn.
-A step that may draw several k fails when all of them do.
+The outcome depends mostly on the k that the policy happens to draw. The ensemble is therefore given k when it learns,
+and P is its mean over a few k that represent the policy's distribution. An outcome teaches more this way than a P
+without k could learn from it. A step that may draw several k fails when all of them do.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,8 +29,8 @@ class PScoreConfig:
     """Configuration of the learned estimator.
 
     Attributes:
-        checkpoints: folder of the trained estimators, by default that of the package.
-        draws: k of the policy that the mean is taken over.
+        checkpoints: Folder of the trained estimators. The default is the package's own.
+        draws: Number of the policy's k over which the mean is taken.
     """
 
     checkpoints: Path | None = None
@@ -40,19 +40,19 @@ class PScoreConfig:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)
 
     def create(self, context: EstimatorContext) -> "PScore":
-        """The estimator for one scene, of steps with the skills that the search runs.
+        """The estimator for one scene, for steps with the skills that the search runs.
 
         Raises:
-            IctampError: a checkpoint is missing, damaged or of something else.
+            IctampError: A checkpoint is missing, damaged or of another kind.
         """
-        from ictamp_drake.learning.models import load_estimator  # noqa: PLC0415  (torch takes long to load)
+        from ictamp_drake.learning.models import load_estimator  # noqa: PLC0415  (torch is slow to load)
 
         folder = self.checkpoints or SHIPPED
         models = {skill: load_estimator(folder, skill) for skill in SKILLS}
         return PScore(Observer(context.world.spec), models, self.draws, context.skills.draws)
 
     def check(self) -> None:
-        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        """Check the checkpoints and raise the errors of `create`, without loading torch."""
         check_all(self.checkpoints or SHIPPED, "estimator")
 
 
@@ -64,7 +64,7 @@ class EnsembleEstimate(NamedTuple):
 
 
 class PScore:
-    """The mean of an ensemble, all options of a skill in one call."""
+    """Mean of an ensemble, computed for all options of a skill in one call."""
 
     def __init__(self, observer: Observer, models: Mapping[str, "EstimatorModel"], draws: int, tries: int) -> None:
         self._observer = observer
@@ -77,7 +77,7 @@ class PScore:
         return self.estimate_with_spread(options).P
 
     def estimate_with_spread(self, options: Sequence[ConfiguredPlan]) -> EnsembleEstimate:
-        """P of each option, and how far the members of the ensemble disagree about it."""
+        """P of each option, and its standard deviation over the ensemble."""
         if not options:
             return EnsembleEstimate(np.zeros(0), np.zeros(0))
         steps = [(c, plan.actions[0]) for c, plan in options]

@@ -1,4 +1,4 @@
-"""STAP's estimate of success: the critics' Q of the k that the policy would take, for the next action or the plan."""
+"""STAP's estimate of success: the critics' Q of the k that the policy would draw, for the next action or the plan."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,22 +23,22 @@ from ictamp_drake.observation.state_matrix import Observer
 class QValueConfig:
     """Configuration of the critics' estimate.
 
-    With the horizon "plan" it is STAP's objective, the product Q(c, k_1) Q(c', k_2) ... along the rest of the plan;
-    learned dynamics say where a step that succeeds leaves its box. STAP seeks the k that maximise it by the
-    cross-entropy method, starting from its policies. Here the policies are drawn from (shooting), `best` picks the
-    rollout with the greatest product, and `refinements` are iterations of that method after it. Q is a probability
-    already and needs no clipping.
+    With the horizon "plan" it is STAP's objective, the product Q(c, k_1) Q(c', k_2) ... along the rest of the plan.
+    Learned dynamics predict where a successful step leaves its box. STAP seeks the k that maximize this product by the
+    cross-entropy method, starting from its policies. Here k are drawn from the policies (shooting), `best` picks the
+    rollout with the largest product, and `refinements` are iterations of that method after it. Q is already a
+    probability and needs no clipping.
 
     Attributes:
-        checkpoints: folder of the trained policies and their critics, and of the dynamics if the horizon is the plan;
-            by default that of the package.
-        draws: k drawn from the policy for each option, and with each of them a rollout of the plan.
-        best: whether the greatest value of the draws counts, as for the k that the policy's sampler takes, or their
-            mean, which is the success to be expected of a single draw.
-        horizon: step, Q of the next action alone; plan, the product along the rest of the plan.
-        refinements: iterations of the cross-entropy method after the draws; they seek what `best` counts.
-        critics: whose Q it is: policy, of the critics that the policies were trained on; estimator, of those of P,
-            trained on outcomes of the policies, whose mean over many draws is P.
+        checkpoints: Folder of the trained policies and their critics, and of the dynamics if the horizon is the plan.
+            The default is the package's own.
+        draws: Number of k drawn from the policy for each option, each with a rollout of the plan.
+        best: Whether the largest value of the draws counts, which matches a sampler that ranks its draws. Otherwise
+            the mean counts, which is the expected success of a single draw.
+        horizon: Steps that Q covers: step for the next action alone, plan for the product along the rest of the plan.
+        refinements: Number of iterations of the cross-entropy method after the draws. They need `best`.
+        critics: Critics that give Q: policy for those that the policies were trained on, estimator for those of P,
+            trained on outcomes of the policies. The mean of the latter over many draws is P.
     """
 
     checkpoints: Path | None = None
@@ -65,9 +65,9 @@ class QValueConfig:
         """The estimator for one scene.
 
         Raises:
-            IctampError: a checkpoint is missing, damaged or of something else.
+            IctampError: A checkpoint is missing, damaged or of another kind.
         """
-        from ictamp_drake.learning.models import load_dynamics, load_skill  # noqa: PLC0415  (torch takes long to load)
+        from ictamp_drake.learning.models import load_dynamics, load_skill  # noqa: PLC0415  (torch is slow to load)
 
         folder, ahead = self.checkpoints or SHIPPED, self.horizon == "plan"
         learned = {skill: load_skill(folder, skill, self.critics) for skill in SKILLS}
@@ -76,14 +76,14 @@ class QValueConfig:
         return QValue(self, imagination, context.world.spec.seed)
 
     def check(self) -> None:
-        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        """Check the checkpoints and raise the errors of `create`, without loading torch."""
         check_all(self.checkpoints or SHIPPED, self.critics)
         if self.horizon == "plan":
             check_all(self.checkpoints or SHIPPED, "dynamics")
 
 
 class QValue:
-    """Q at draws of the policy, the same draws whenever the same options of a scene are asked about."""
+    """Q at draws of the policy. The same options of a scene always get the same draws."""
 
     def __init__(self, config: QValueConfig, imagination: Imagination, seed: int) -> None:
         self._config = config
@@ -98,7 +98,7 @@ class QValue:
         return np.asarray(product.max(axis=1) if self._config.best else product.mean(axis=1))
 
     def optimize(self, options: Sequence[ConfiguredPlan], rng: np.random.Generator) -> list[PlanParameters]:
-        """The rollout of each plan that has the greatest product of Q."""
+        """Parameters of the rollout of each plan with the largest product of Q."""
         rollouts = self._rollouts(options, rng)
         best = rollouts.product.argmax(axis=1)
         return [

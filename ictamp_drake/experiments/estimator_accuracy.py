@@ -15,7 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from ictamp_drake.core.checks import check_choice, check_different, check_range
+from ictamp_drake.core.checks import check_choice, check_count, check_different, check_range
 from ictamp_drake.core.files import make_folder, write_whole
 from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.learning.cases import read_cases
@@ -65,7 +65,7 @@ class EstimatorAccuracy:
         check_range("least", self.least, 2, 1e6)
         for skill in self.skills:
             check_choice("skills", skill, SKILLS)
-        check_range("number of skills", len(self.skills), 1, len(SKILLS))
+        check_count("skills", self.skills, 1, len(SKILLS))
         check_different("skills", self.skills)
 
 

@@ -16,7 +16,7 @@ from typing import Annotated
 import tyro
 
 import ictamp_drake as ict
-from ictamp_drake.core.checks import check_choice, check_different, check_range
+from ictamp_drake.core.checks import check_choice, check_count, check_different, check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
@@ -51,7 +51,7 @@ class Runner:
 
     def __post_init__(self) -> None:
         check_choice("regime", self.regime, REGIMES)
-        check_range("number of seeds", len(self.seeds), 1, 1000)
+        check_count("seeds", self.seeds, 1, 1000)
         for seed in self.seeds:
             check_range("seeds", seed, 0, 2**63 - 1)
         check_different("seeds", self.seeds)

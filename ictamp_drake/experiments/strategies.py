@@ -9,6 +9,7 @@ import tyro
 
 from ictamp_drake.core.checks import check_different
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.spelling import respell, respell_option
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.els import ElsConfig
@@ -32,7 +33,7 @@ STRATEGIES: dict[str, Method] = {
     "uniform": Method(planner="uniform", estimator="constant"),
     "stap": Method(planner="stap", estimator="q-value"),
     "uniform-k": Method(sampler="uniform"),
-    "optimisation-constant": Method(sampler="optimisation", estimator="constant"),
+    "optimization-constant": Method(sampler="optimization", estimator="constant"),
 }
 """Sampler, estimator and planner of each strategy. Strategies that need no estimator have the cheapest one."""
 
@@ -69,7 +70,7 @@ REGIMES: dict[str, Regime] = {
             "adaptive",
         ),
     ),
-    "default": Regime(Method(time_limit=60.0), ("p-score", "adaptive", "optimisation-constant")),
+    "default": Regime(Method(time_limit=60.0), ("p-score", "adaptive", "optimization-constant")),
     "ceiling": Regime(replace(_ONE_DRAW, time_limit=3600.0, max_steps=300), ("p-score", "monte-carlo")),
 }
 """Paper: one draw of k per step, which is not repeated when it has no motion. Default: the options of the package.
@@ -100,6 +101,7 @@ def methods(regime: str, strategies: Sequence[str], seeds: Sequence[int]) -> Map
 def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
     """Return the name and the method of a strategy under the shared conditions."""
     name, defined, options = strategy.partition("=")
+    name = respell(name)
     if not defined and name in STRATEGIES:
         return name, _combine(shared, STRATEGIES[name])
     if not (defined and _NAME.fullmatch(name)):
@@ -112,7 +114,7 @@ def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
             advice='or give options with a name of letters, digits, _, ., + and -, e.g. "mine=--planner els"',
         )
     try:
-        return name, tyro.cli(Method, args=shlex.split(options), default=shared)
+        return name, tyro.cli(Method, args=[respell_option(each) for each in shlex.split(options)], default=shared)
     except ValueError as error:
         problem = f"cannot read the options of {{value}}: {error}"
         raise IctampError(Code.NOT_READABLE, problem, field="strategies", value=strategy) from error

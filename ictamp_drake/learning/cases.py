@@ -11,6 +11,7 @@ import pyarrow.dataset as pads
 from numpy.typing import NDArray
 
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.spelling import spellings
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.dataset import action, configuration, open_table
 
@@ -93,7 +94,7 @@ def _group_rows(folder: Path, skill: str, sampler: str | None) -> dict[tuple[Any
     """Group the rows by case, in order of the draws."""
     wanted = pads.field("action").cast(pa.string()) == skill
     if sampler is not None:
-        wanted &= pads.field("sampler").cast(pa.string()) == sampler
+        wanted &= pads.field("sampler").cast(pa.string()).isin(spellings(sampler))
     table = open_table(folder).to_table(columns=[*_CASE, *_START, "draw", "failure"], filter=wanted)
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]).to_pylist():

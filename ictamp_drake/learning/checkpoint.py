@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
-from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import whole
-from ictamp_drake.core.reading import in_file
+from ictamp_drake.core.reading import in_file, parse_json
 from ictamp_drake.observation.state_matrix import SCHEMA
 
 SHIPPED = Path(__file__).parent / "checkpoints"
@@ -147,6 +147,7 @@ def read(path: Path) -> tuple[Arrays, dict[str, Any]]:
         with safe_open(path, framework="np") as file:
             text = (file.metadata() or {}).get(_METADATA, "{}")
             arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (not a dict)
-        return arrays, json.loads(text)
     except (SafetensorError, OSError, ValueError) as error:
         raise IctampError(Code.DAMAGED, f"cannot be read as safetensors: {error}", file=path) from error
+    with in_file(path):
+        return arrays, dict(mapping(parse_json(text)))

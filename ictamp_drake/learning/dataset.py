@@ -23,6 +23,7 @@ from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import whole
 from ictamp_drake.core.reading import parse_json
+from ictamp_drake.core.spelling import respell
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
 from ictamp_drake.scenes.spec import SceneSpec, to_dict
@@ -245,7 +246,7 @@ def _attempts(batch: pa.RecordBatch) -> Attempts:
         scene=batch["scene"].to_numpy(),
         state=batch["state"].to_numpy(),
         action=_words(batch["action"]),
-        sampler=_words(batch["sampler"]),
+        sampler=np.array([respell(word) for word in _words(batch["sampler"]).tolist()], dtype=np.str_),
         failure=_words(failure),
     )
 

@@ -1,4 +1,4 @@
-"""What a Franka Emika Panda can do: names, limits and inertial parameters; its hand's geometry is in `models.hand`.
+"""Names, limits and inertial parameters of a Franka Emika Panda. The geometry of its hand is in `models.hand`.
 
 Limits and Denavit-Hartenberg parameters are those of Franka's control interface documentation ("Robot and interface
 specifications"). Masses and inertias of the arm are the parameters identified by Gaz, Cognetti, Oliva, Robuffo Giordano
@@ -34,7 +34,7 @@ class JointFrame(NamedTuple):
 
 
 class Inertial(NamedTuple):
-    """Mass [kg], centre of mass p_LLcm [m], inertia about it (xx, yy, zz, xy, xz, yz) in the link's axes [kg m^2]."""
+    """Mass [kg], center of mass p_LLcm [m], inertia about it (xx, yy, zz, xy, xz, yz) in the link's axes [kg m^2]."""
 
     mass: float
     p_LLcm: tuple[float, float, float]
@@ -97,12 +97,12 @@ INERTIALS = {
 }
 
 MAX_GRIP_FORCE = 70.0
-"""Continuous force of each finger [N]."""
+"""Maximum continuous force of each finger [N]."""
 MAX_FINGER_SPEED = 0.05
-"""Speed of each finger [m/s]."""
+"""Maximum speed of each finger [m/s]."""
 
 HOME: FloatArray = np.array([0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4])
-"""A comfortable configuration of the arm, the hand pointing down in front of the base [rad], shape (7,)."""
+"""Comfortable posture of the arm, with the hand pointing down in front of the base [rad], shape (7,)."""
 HOME.setflags(write=False)
 
 JOINT_DAMPING = 0.5

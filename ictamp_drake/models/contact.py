@@ -1,4 +1,4 @@
-"""How surfaces touch: friction and compliance of every collision geometry, in one place."""
+"""Contact properties of all collision geometries in one place: friction and compliance."""
 
 from typing import NamedTuple
 
@@ -7,10 +7,10 @@ class Surface(NamedTuple):
     """Contact properties of a geometry.
 
     Attributes:
-        friction: Coulomb coefficient, static and dynamic.
-        stiffness: of point contact [N/m].
-        dissipation: Hunt and Crossley's [s/m].
-        relaxation_time: of SAP's linear dissipation [s].
+        friction: Coefficient of Coulomb friction, static and dynamic.
+        stiffness: Stiffness of point contact [N/m].
+        dissipation: Hunt-Crossley dissipation [s/m].
+        relaxation_time: Relaxation time of SAP's linear dissipation [s].
     """
 
     friction: float
@@ -20,15 +20,15 @@ class Surface(NamedTuple):
 
 
 BODY = Surface(friction=0.5, stiffness=1e5, dissipation=1.0, relaxation_time=0.01)
-"""The arm's links and the hand, which ought to touch nothing."""
+"""The arm's links and the hand, which should touch nothing."""
 PAD = Surface(friction=1.0, stiffness=1e5, dissipation=5.0, relaxation_time=0.01)
 """The finger pads and their contact points."""
 SUPPORT = Surface(friction=1.0, stiffness=1e5, dissipation=5.0, relaxation_time=0.01)
 """Tables and racks."""
 OBJECT = Surface(friction=1.0, stiffness=1e5, dissipation=5.0, relaxation_time=0.01)
-"""Boxes; their friction is given for each of them."""
+"""Boxes. Each box has its own friction."""
 
 CONTACT_RADIUS = 0.002
-"""Radius of the small spheres that stand for a face's corners [m]."""
+"""Radius of the small spheres that represent a face's corners [m]."""
 PAD_CONTACT_PROUD = 0.0002
-"""How far the pads' contact spheres stand out of the pad [m]."""
+"""Distance that the pads' contact spheres protrude from the pad [m]."""

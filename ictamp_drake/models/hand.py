@@ -1,6 +1,6 @@
-"""Geometry of the Panda's hand, stated here and nowhere else; all lengths are in m.
+"""Geometry of the Panda's hand, the only place that states it. All lengths are in m.
 
-G, the grasp frame, is between the finger tips: its x axis is along the pads, y along the way of the fingers, and z
+G, the grasp frame, is between the finger tips. Its x axis is along the pads, y along the motion of the fingers, and z
 points out of the palm, down when the hand points down.
 """
 
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 
 class Outline(NamedTuple):
-    """A part of the hand as what comes down from above: an upright box that is open at its top.
+    """Outline of a part of the hand that comes down from above: an upright box that is open at its top.
 
     Attributes:
         half_length: Half of its side along G's x axis.
@@ -23,7 +23,7 @@ class Outline(NamedTuple):
 
 
 HAND_ANGLE = -math.pi / 4
-"""Turn of the hand against the flange about z [rad]."""
+"""Rotation of the hand relative to the flange about z [rad]."""
 GRASP_OFFSET = 0.1034
 """Distance of G from the flange along z."""
 FINGER_OFFSET = 0.0584
@@ -32,23 +32,23 @@ FINGER_OFFSET = 0.0584
 MAX_OPENING = 0.08
 """Distance between the pads of the open hand."""
 MAX_SIDE = MAX_OPENING - 0.005
-"""Widest side of a box that is gripped: the opening less the play that the fingers need."""
+"""Widest side of a box that is gripped: the opening minus the play that the fingers need."""
 
 PAD_HALF_WIDTH = 0.01
 """Half width of a pad along the finger frame's x."""
 PAD_HALF_HEIGHT = 0.0095
-"""Half height of a pad along the finger frame's z, and so the distance of the finger tips below G."""
+"""Half height of a pad along the finger frame's z, which is the distance of the finger tips below G."""
 PAD_THICKNESS = 0.0155
-"""Thickness of finger and pad from the gripping face, which is the finger frame's plane y = 0, outwards."""
+"""Thickness of finger and pad, measured outwards from the gripping face, the finger frame's plane y = 0."""
 PAD_RADIUS = PAD_THICKNESS / 2
 """Radius of the largest circle inside a pad, as seen from above."""
 PAD_CENTER = GRASP_OFFSET - FINGER_OFFSET
-"""Distance of the pad's center from the finger's frame along z: it is in G."""
+"""Distance of the pad's center from the finger frame along z, which puts it at G."""
 
 TIP = PAD_HALF_HEIGHT + 0.0025
-"""Distance below G from which nothing of a finger reaches into what is beneath, with 2.5 mm to spare."""
+"""Distance below G beyond which no part of a finger reaches, with 2.5 mm to spare."""
 
 FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
-"""An open finger with its mount; its inner face is half the opening away from G."""
+"""An open finger with its mount. Its inner face is half the opening away from G."""
 PALM = Outline(half_length=0.0195, half_width=0.101, bottom=0.037)
 WRIST = Outline(half_length=0.075, half_width=0.075, bottom=0.105)

@@ -1,4 +1,4 @@
-"""Forward kinematics of the Panda, many configurations at once, without Drake."""
+"""Forward kinematics of the Panda for many configurations at once, without Drake."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Where the model files lie."""
+"""Location of the model files."""
 
 from pathlib import Path
 
@@ -8,5 +8,5 @@ PACKAGE_FILE = Path(__file__).parent / "package.xml"
 
 
 def add_package(parser: Parser) -> None:
-    """Make the files beside this module known as package://ictamp_drake/..."""
+    """Register the files beside this module as package://ictamp_drake/..."""
     parser.package_map().AddPackageXml(filename=PACKAGE_FILE)

@@ -1,4 +1,4 @@
-"""SDF elements as text: poses, inertias, shapes with colour or with contact properties."""
+"""SDF elements as text: poses, inertias, shapes with color or with contact properties."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -16,11 +16,11 @@ class Shape(NamedTuple):
     """A primitive in its link's frame.
 
     Attributes:
-        name: unique in the link.
-        kind: "box", "cylinder", "capsule" or "sphere".
-        size: (x, y, z), (radius, length), (radius, length) or (radius,) [m].
-        xyz: position of its centre [m].
-        rpy: its roll, pitch, yaw [rad].
+        name: Name that is unique in the link.
+        kind: One of "box", "cylinder", "capsule" and "sphere".
+        size: Dimensions (x, y, z), (radius, length), (radius, length) or (radius,), in the order of the kinds [m].
+        xyz: Position of the center [m].
+        rpy: Roll, pitch, yaw [rad].
     """
 
     name: str
@@ -31,7 +31,7 @@ class Shape(NamedTuple):
 
 
 def numbers(values: Iterable[float]) -> str:
-    """The values with twelve digits, apart by blanks; -0 is written as 0."""
+    """The values with twelve digits, separated by spaces; -0 is written as 0."""
     return " ".join(f"{value + 0.0:.12g}" for value in values)
 
 
@@ -77,7 +77,7 @@ def collision(shape: Shape, surface: Surface) -> str:
 
 
 def visual(shape: Shape, color: Color) -> str:
-    """A visual element of one colour (red, green, blue in [0, 1])."""
+    """A visual element of one color (red, green, blue in [0, 1])."""
     return (
         f'<visual name="{shape.name}">{pose(shape.xyz, shape.rpy)}{_geometry(shape)}'
         f"<material><diffuse>{numbers((*color, 1.0))}</diffuse></material></visual>"
@@ -85,7 +85,7 @@ def visual(shape: Shape, color: Color) -> str:
 
 
 def mesh_visual(uri: str) -> str:
-    """A visual element with the colours of a glTF file."""
+    """A visual element with the colors of a glTF file."""
     return f'<visual name="mesh"><geometry><mesh><uri>{uri}</uri></mesh></geometry></visual>'
 
 
@@ -96,7 +96,7 @@ def element(tag: str, children: Iterable[str], **attributes: str) -> str:
 
 
 def document(model: str) -> str:
-    """A whole SDF file around one model, indented."""
+    """A complete SDF file around one model, indented."""
     ElementTree.register_namespace("drake", DRAKE_NAMESPACE)
     root = ElementTree.fromstring(f'<sdf version="1.9" xmlns:drake="{DRAKE_NAMESPACE}">{model}</sdf>')
     ElementTree.indent(root)

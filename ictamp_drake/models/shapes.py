@@ -1,4 +1,4 @@
-"""SDF of the things around the robot: boxes to move, tables and racks to put them on.
+"""SDF of the things around the robot: boxes to move, and tables and racks to put them on.
 
 A model's only link has the model's name, so that `plant.GetBodyByName(name)` finds it. Supports of any size have the
 colors of the committed ones.
@@ -20,7 +20,7 @@ from ictamp_drake.models.things import read_thing
 Size = tuple[float, float, float]
 
 RACK_THICKNESS = 0.01
-"""Thickness of a rack's top plate, legs and stabilisers [m]."""
+"""Thickness of a rack's top plate, legs and stabilizers [m]."""
 
 _EDGE_WIDTH = 0.003
 _EDGE_DEPTH = 0.0003
@@ -28,7 +28,7 @@ _EDGE_DARKNESS = 0.6
 
 
 def box_inertial(size: Size, mass: float) -> Inertial:
-    """Inertia of a box of uniform density about its centre."""
+    """Inertia of a box of uniform density about its center."""
     xx, yy, zz = (value * value * mass / 12.0 for value in size)
     return Inertial(mass, (0.0, 0.0, 0.0), (yy + zz, xx + zz, xx + yy, 0.0, 0.0, 0.0))
 
@@ -46,7 +46,7 @@ def box_contacts(size: Size) -> tuple[Shape, ...]:
 def rim_contacts(size: Sequence[float], spacing: float) -> tuple[Shape, ...]:
     """Spheres along the rim of a support's top face: at its corners, and at most `spacing` [m] apart between them.
 
-    Each touches the top face and a side from inside. The origin is the centre of the top face, the size in [m].
+    Each touches the top face and a side from inside. The origin is the center of the top face, and the size is in [m].
     """
     half = [value / 2 - CONTACT_RADIUS for value in size[:2]]
     x, y = (np.linspace(-h, h, 1 + int(np.ceil(2 * h / spacing))).tolist() for h in half)
@@ -71,17 +71,17 @@ def _check(name: str, size: Size, least: float) -> None:
 
 
 def box_sdf(name: str, size: Size, mass: float, friction: float, color: Color) -> str:
-    """A box of uniform density, its origin at the centre.
+    """A box of uniform density with its origin at the center.
 
     Args:
-        name: of the model and of its link.
-        size: sides along x, y, z [m].
-        mass: [kg].
-        friction: Coulomb coefficient.
-        color: red, green, blue in [0, 1].
+        name: Name of the model and of its link.
+        size: Sides along x, y, z [m].
+        mass: Mass [kg].
+        friction: Coefficient of Coulomb friction.
+        color: Red, green, blue in [0, 1].
 
     Raises:
-        IctampError: a side is too short for the contact spheres, or the mass is not positive.
+        IctampError: A side is too short for the contact spheres, or the mass is not positive.
     """
     _check(name, size, 4 * CONTACT_RADIUS)
     check_range(f"{name}.mass", mass, POSITIVE, inf, " kg")
@@ -100,20 +100,20 @@ def _support_sdf(name: str, shapes: tuple[Shape, ...], color: Color) -> str:
 
 
 def table_sdf(name: str, size: Size) -> str:
-    """A slab, its origin at the centre of its top face, to be welded to the world.
+    """A slab with its origin at the center of its top face, to be welded to the world.
 
     Raises:
-        IctampError: a side is not positive.
+        IctampError: A side is shorter than 1 mm.
     """
     _check(name, size, 1e-3)
     return _support_sdf(name, (Shape("top", "box", size, (0.0, 0.0, -size[2] / 2)),), read_thing("table").color)
 
 
 def rack_sdf(name: str, size: Size) -> str:
-    """A top plate on four legs with two stabilisers at their feet, the origin at the centre of the plate's top face.
+    """A top plate on four legs with two stabilizers at their feet. The origin is the center of the plate's top face.
 
     Raises:
-        IctampError: a side is too short for plate and legs.
+        IctampError: A side is too short for plate and legs.
     """
     _check(name, size, 3 * RACK_THICKNESS)
     x, y, z = size

@@ -1,4 +1,4 @@
-"""The boxes, the table and the rack of the packing problems, as their committed SDF files have them."""
+"""The boxes, the table and the rack of the packing problems, read from their committed SDF files."""
 
 from functools import cache
 from pathlib import Path
@@ -14,11 +14,11 @@ FOLDER = Path(__file__).parent / "sdf"
 BOXES = tuple(sorted(path.stem for path in FOLDER.glob("*_box.sdf")))
 """Names of the boxes that have a file."""
 SUPPORTS = ("table", "rack")
-"""Names of the supports that have a file, which are their kinds."""
+"""Names of the supports that have a file, which are also their kinds."""
 
 
 class Thing(NamedTuple):
-    """What a file says of a box or support.
+    """Properties of a box or support in its file.
 
     Attributes:
         size: Sides of the smallest upright box around its solid shapes, along the axes of its frame [m].
@@ -38,7 +38,7 @@ def read_thing(name: str) -> Thing:
     """Read the file of a box or support. Of its shapes, boxes parallel to its axes are solid; spheres are for contact.
 
     Raises:
-        OSError: There is no such file.
+        OSError: The file does not exist.
     """
     root = ElementTree.parse(FOLDER / f"{name}.sdf").getroot()
     solids = [element for element in root.iter("collision") if element.find("geometry/box") is not None]

@@ -1,7 +1,7 @@
-"""Where arm and held box touch the scene.
+"""Collision queries for the arm and the held box in a scene.
 
-The queries go to SceneGraph itself: `HasCollisions` ends at the first contact found and takes a fraction of the time
-of a collision checker that measures distances.
+The queries go to SceneGraph itself: `HasCollisions` ends at the first contact and takes a fraction of the time of a
+collision checker that measures distances.
 """
 
 from typing import NamedTuple
@@ -29,7 +29,7 @@ _AWAY = RigidTransform([0.0, 0.0, -100.0])
 
 
 class Contact(NamedTuple):
-    """Two things that touch, by name; distance [m] is negative where they overlap."""
+    """Names of two things that touch, and their distance [m], which is negative where they overlap."""
 
     moving: str
     other: str
@@ -40,18 +40,18 @@ class Contact(NamedTuple):
 
 
 class CollisionScene:
-    """Where the arm touches things in a configuration c: at any q, whatever q c has itself.
+    """Collisions of the arm at any q among the things of a configuration c, whatever c's own q is.
 
-    The boxes stand where c has them, the held one is in the hand and moves with it, and the fingers are as far open as
-    in c. Contact among the things that stand still does not count.
+    The boxes stand where c has them, the held one moves with the hand, and the fingers are as far open as in c. Contact
+    among the things that stand still does not count.
 
-    Holds two Drake contexts, in which the c that was asked about last stays: asking about it again is quick.
+    Holds two Drake contexts that keep the last c, so that another query about the same c is quick.
 
     Args:
-        world: the scene.
-        held_shrinkage: how much the held box is smaller than it is on every side, so that resting contact is no
+        world: The scene.
+        held_shrinkage: Length by which the held box is smaller on every side, so that resting contact is not a
             collision [m].
-        padding: up to which padding `is_free` is quick [m].
+        padding: Largest padding for which `is_free` is quick [m].
     """
 
     def __init__(self, world: World, held_shrinkage: float = 0.001, padding: float = 0.005) -> None:
@@ -69,20 +69,20 @@ class CollisionScene:
         """Whether the arm at q, shape (7,) [rad], touches neither the scene nor itself.
 
         Args:
-            c: where everything else is.
-            q: joint positions.
-            padding: distance that arm and held box keep from what stands still [m]; 0 is much quicker.
+            c: Configuration of everything else.
+            q: Joint positions.
+            padding: Distance that arm and held box keep from what stands still [m]. 0 is much quicker.
         """
         if 0 < padding <= self._padding and not self._padded.query(c, q).HasCollisions():
             return True
         return not self._exact.query(c, q).HasCollisions() and (padding <= 0 or not self.contacts(c, q, padding))
 
     def are_free(self, c: Configuration, qs: FloatArray, padding: float = 0.0) -> bool:
-        """Whether all of qs, shape (m, 7), are free; far apart ones are looked at first, the first contact ends it."""
+        """Whether all of qs, shape (m, 7), are free. Checks distant ones first and stops at the first contact."""
         return all(self.is_free(c, qs[i], padding) for i in sorted(range(len(qs)), key=lambda i: -(i & -i)))
 
     def contacts(self, c: Configuration, q: FloatArray, padding: float = 0.0) -> list[Contact]:
-        """What overlaps or is nearer than the padding at q, shape (7,) [rad], nearest first."""
+        """Contacts at q, shape (7,) [rad]: pairs that overlap or are nearer than the padding, nearest first."""
         found = []
         for pair in self._exact.query(c, q).ComputeSignedDistancePairwiseClosestPoints(padding):
             still = {pair.id_A, pair.id_B} & self._still
@@ -92,16 +92,16 @@ class CollisionScene:
         return sorted(found, key=lambda contact: contact.distance)
 
     def first_contact(self, c: Configuration, qs: FloatArray, padding: float = 0.0) -> Contact | None:
-        """What is met first along qs, shape (m, 7)."""
+        """First contact along qs, shape (m, 7), or None."""
         colliding = (q for q in qs if not self.is_free(c, q, padding))
         return next((contacts[0] for q in colliding if (contacts := self.contacts(c, q, padding))), None)
 
     def clearance(self, c: Configuration, q: FloatArray, limit: float) -> float:
-        """Distance to what stands still, `limit` when it is larger; negative in collision [m]."""
+        """Distance to what stands still, at most `limit`; negative in collision [m]."""
         return min((contact.distance for contact in self.contacts(c, q, limit)), default=limit)
 
     def clearance_gradients(self, c: Configuration, q: FloatArray, limit: float) -> list[tuple[float, FloatArray]]:
-        """Distances below the limit [m] between moving and still things, each with its derivative by q, shape (7,)."""
+        """Distances below the limit [m] between moving and still things, each with its gradient by q, shape (7,)."""
         query = self._exact.query(c, q)
         found = []
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(limit):
@@ -115,9 +115,9 @@ class CollisionScene:
 
 
 class _Shapes:
-    """The shapes of a scene in a context of their own, those that stand still grown by some length on every side.
+    """Shapes of a scene in a context of their own. Those that stand still are grown by some length on every side.
 
-    A grown shape holds all that is nearer to the shape than this length, and some more.
+    A grown shape contains all points nearer to the shape than this length, and some more.
     """
 
     def __init__(self, world: World, still: frozenset[GeometryId], held_shrinkage: float, grown: float) -> None:
@@ -139,7 +139,7 @@ class _Shapes:
         self._filter(still)
 
     def _filter(self, still: frozenset[GeometryId]) -> None:
-        """Changed shapes have lost all filters, also those between what is welded to the world."""
+        """Restore the filters that changed shapes have lost, also those between bodies welded to the world."""
         welded = self._plant.GetBodiesWeldedTo(self._plant.world_body())
         declaration = CollisionFilterDeclaration()
         declaration.ExcludeWithin(GeometrySet(list(still)))
@@ -147,14 +147,14 @@ class _Shapes:
         self._filters.Apply(declaration)
 
     def _leave_only_collision_shapes(self) -> None:
-        """The others are moved with every query, too."""
+        """Remove all other shapes, which every query would move, too."""
         inspector = self._inspector()
         for geometry in inspector.GetAllGeometryIds():
             if inspector.GetProximityProperties(geometry) is None:
                 self._scene_graph.RemoveGeometry(self._scene_context, self._source, geometry)
 
     def _grow(self, geometry: GeometryId, length: float) -> bool:
-        """Whether the shape is one that can be grown."""
+        """Grow the shape and return True, or return False if it is not a box."""
         shape = self._inspector().GetShape(geometry)
         if not isinstance(shape, Box):
             return False
@@ -165,7 +165,7 @@ class _Shapes:
         return self._port.Eval(self._scene_context).inspector()
 
     def _enter(self, c: Configuration) -> None:
-        """Put the boxes where c has them, the held one into the hand, and the fingers where c has them."""
+        """Put the boxes and fingers where c has them, and the held box into the hand."""
         bodies = self._world.bodies
         self._plant.SetPositions(self._context, bodies.arm, c.q)
         for name, body in bodies.boxes.items():
@@ -196,7 +196,7 @@ class _Shapes:
         return self._plant.GetBodyFrameIdOrThrow(body.index())
 
     def query(self, c: Configuration, q: FloatArray) -> QueryObject:
-        """In c but with the arm at q, shape (7,) [rad]; good until the next one."""
+        """Query object for c with the arm at q, shape (7,) [rad]; valid until the next call."""
         if c is not self._c and c != self._c:
             self._enter(c)
         self._q[:7] = q  # the arm was added first, so its positions are the first ones
@@ -204,7 +204,7 @@ class _Shapes:
         return self._port.Eval(self._scene_context)
 
     def jacobian(self, geometry: GeometryId, p_GC: FloatArray) -> FloatArray:
-        """Of the velocity in W of a point of a moving geometry where the last query was, shape (3, 7)."""
+        """Jacobian of the velocity in W of a point of a moving geometry at the last query, shape (3, 7)."""
         inspector = self._inspector()
         body = self._plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
         world = self._plant.world_frame()
@@ -219,7 +219,7 @@ class _Shapes:
         return np.asarray(jacobian)[:, :7]
 
     def name(self, geometry: GeometryId) -> str:
-        """Of the body that it belongs to."""
+        """Name of the held box or of the body that the geometry belongs to."""
         if self._held is not None and geometry == self._held[1]:
             return self._held[0]
         body = self._plant.GetBodyFromFrameId(self._inspector().GetFrameId(geometry))

@@ -1,4 +1,4 @@
-"""All constants of motion planning."""
+"""Constants of motion planning."""
 
 from dataclasses import dataclass
 from math import inf
@@ -6,29 +6,29 @@ from math import inf
 from ictamp_drake.core.checks import check_fields, check_range
 
 LEAST_POINTS = 7
-"""Control points that a spline has at least: three at each end do not move."""
+"""Minimum number of control points of a spline: three at each end do not move."""
 
 MIN_DURATION = 1e-3
-"""Least duration of a trajectory [s]."""
+"""Minimum duration of a trajectory [s]."""
 
 
 @dataclass(frozen=True)
 class KinematicsConfig:
-    """How inverse kinematics is solved.
+    """Constants of inverse kinematics.
 
     Attributes:
-        joint_margin: distance kept from the joint limits [rad].
-        last_step: between the angles of the last joint at which postures are looked at [rad].
-        travel_step: the same when only the time to a posture is asked for [rad].
-        guess_weight: cost of the distance from the guess; larger gives solutions nearer to it.
-        comfort_weight: cost of the distance from the arm's comfortable configuration.
-        attempts: postures tried, the cheapest first.
-        apart: least difference of a joint between those tried [rad].
-        line_step: longest step of the hand along a straight line [m]; turns count as `line_radius` times the angle.
-        line_radius: [m].
-        line_tolerance: of G's position along each axis [m] and of its direction [rad].
-        line_joint_step: longest change of a joint within one step; more is a jump to another posture [rad].
-        line_iterations: Newton steps for one point of the line.
+        joint_margin: Distance kept from the joint limits [rad].
+        last_step: Grid step over the last joint for postures [rad].
+        travel_step: Grid step over the last joint for travel times [rad].
+        guess_weight: Weight of the squared distance from the guess. A larger weight gives solutions nearer to it.
+        comfort_weight: Weight of the squared distance from the arm's comfortable posture.
+        attempts: Maximum number of postures tried, the cheapest first.
+        apart: Minimum difference between postures tried, in at least one joint [rad].
+        line_step: Longest step of the hand along a straight line [m]. Turns count as `line_radius` times the angle.
+        line_radius: Lever arm that converts hand rotation to distance [m].
+        line_tolerance: Tolerance of G's position along each axis [m] and of its rotation about each axis [rad].
+        line_joint_step: Largest change of a joint within one step [rad]. More is a jump to another posture.
+        line_iterations: Maximum number of Newton steps for one point of the line.
     """
 
     joint_margin: float = 0.02
@@ -65,14 +65,14 @@ class KinematicsConfig:
 
 @dataclass(frozen=True)
 class PathConfig:
-    """How a path is searched.
+    """Constants of the search for a path.
 
     Attributes:
-        margin: how far joints may go beyond the range between start and end [rad].
-        edge: longest edge of the trees [rad].
-        step: distance between checked points of an edge [rad].
-        max_checks: configurations checked before the search gives up.
-        shortcuts: attempts to shorten the path found.
+        margin: Distance that joints may go beyond the range between start and end [rad].
+        edge: Longest edge of the trees [rad].
+        step: Distance between checked points of an edge [rad].
+        max_checks: Number of configurations checked before the search gives up.
+        shortcuts: Number of attempts to shorten the path found.
     """
 
     margin: float = 0.8
@@ -87,7 +87,7 @@ class PathConfig:
             "skills.motion.path",
             margin=(1e-3, 10),
             edge=(1e-3, 10),
-            step=(1e-3, min(self.margin, 1)),  # OMPL wants it shorter than the diagonal of the range
+            step=(1e-3, min(self.margin, 1)),  # OMPL needs it shorter than the diagonal of the range
             max_checks=(0, 1e9),
             shortcuts=(0, 1e6),
         )
@@ -95,17 +95,18 @@ class PathConfig:
 
 @dataclass(frozen=True)
 class TrajectoryConfig:
-    """How fast and how finely.
+    """Constants of the speed and resolution of trajectories.
 
     Attributes:
-        velocity: used part of the joints' velocity limits.
-        acceleration: used part of the joints' acceleration limits.
-        jerk: used part of the joints' jerk limits.
-        order: of the splines; 5 has continuous jerk.
-        control_points: of a spline between two points.
-        straightness: cost of leaving the guess [s/rad^2]; larger keeps idle joints quieter.
-        max_duration: greatest duration that the solver considers [s]; what it can't improve on may take longer.
-        iterations: of the solver; what it has then is used.
+        velocity: Fraction of the joints' velocity limits that is used.
+        acceleration: Fraction of the joints' acceleration limits that is used.
+        jerk: Fraction of the joints' jerk limits that is used.
+        order: Order of the splines. With 5, jerk is continuous.
+        control_points: Number of control points of a spline between two points.
+        straightness: Weight of the mean squared distance from the guess [s/rad^2]. A larger one keeps idle joints
+            quieter.
+        max_duration: Longest duration that the solver considers [s]. A guess that it cannot improve may take longer.
+        iterations: Maximum number of solver iterations, after which the result so far is used.
     """
 
     velocity: float = 0.7
@@ -134,23 +135,23 @@ class TrajectoryConfig:
 
 @dataclass(frozen=True)
 class MotionConfig:
-    """How motions are planned.
+    """Constants of motion planning.
 
     Attributes:
-        kinematics: constants of inverse kinematics.
-        trajectory: constants of trajectories.
-        path: constants of sampled paths.
-        step: longest way of the hand between two collision checks [m].
-        turn: largest turn of the hand and of each joint between two collision checks [rad].
-        padding: distance from the scene that transfers keep, as far as their ends have it [m].
-        held_shrinkage: how much smaller than it is the held box counts on every side [m].
-        rise: height above the obstacles in between at which the raised path crosses them [m].
-        hand_width: from the hand's way to its outermost part, sideways [m].
-        corridors: radii [rad] and numbers of control points tried around a path, one after the other.
-        push_rounds: how often a trajectory is pushed out of its collisions.
-        push_radius: how far one push may move the control points [rad].
-        push_margin: distance demanded beyond the padding [m].
-        push_samples: moments of the trajectory at which distances are demanded.
+        kinematics: Constants of inverse kinematics.
+        trajectory: Constants of trajectories.
+        path: Constants of sampled paths.
+        step: Longest motion of the hand between two collision checks [m].
+        turn: Largest turn of the hand and of each joint between two collision checks [rad].
+        padding: Distance that transfers keep from the scene, or less if their ends are nearer [m].
+        held_shrinkage: Length by which the held box counts as smaller on every side [m].
+        rise: Height above the obstacles in between at which the raised path crosses them [m].
+        hand_width: Sideways distance from the hand's path to its outermost part [m].
+        corridors: Radius [rad] and number of control points of each corridor tried around a path, in this order.
+        push_rounds: Maximum number of times that a trajectory is pushed out of its collisions.
+        push_radius: Largest change of each coordinate of a control point in one push [rad].
+        push_margin: Distance demanded beyond the padding [m].
+        push_samples: Number of moments of a trajectory, counting its ends, at which distances are demanded.
     """
 
     kinematics: KinematicsConfig = KinematicsConfig()
@@ -175,7 +176,7 @@ class MotionConfig:
             step=(1e-4, 1),
             turn=(1e-4, 1),
             padding=(0, 1),
-            held_shrinkage=(0, 0.003),  # something is left of the smallest box
+            held_shrinkage=(0, 0.003),  # leaves something of the smallest box
             rise=(0, 10),
             hand_width=(0, 1),
             push_rounds=(0, 1e6),
@@ -184,5 +185,5 @@ class MotionConfig:
             push_samples=(3, 1e6),
         )
         for radius, points in self.corridors:
-            check_range("a radius of skills.motion.corridors", radius, 0, inf)
-            check_range("a number of points of skills.motion.corridors", points, LEAST_POINTS, 1000)
+            check_range("skills.motion.corridors", radius, 0, inf)
+            check_range("skills.motion.corridors", points, LEAST_POINTS, 1000)

@@ -1,4 +1,4 @@
-"""How high the hand must go to pass over what stands between two places."""
+"""Heights at which the hand passes over what stands between two places."""
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -11,7 +11,7 @@ from ictamp_drake.world.world import World
 
 
 def raised_path(kinematics: ArmKinematics, q0: FloatArray, q1: FloatArray, height: float) -> FloatArray | None:
-    """From q0 straight up until G is at a height [m], over to above q1 and straight down, shape (m, 7) [rad].
+    """Path from q0 straight up until G is at a height [m], over to above q1 and straight down, shape (m, 7) [rad].
 
     Returns:
         None when the arm does not reach that high.
@@ -24,7 +24,7 @@ def raised_path(kinematics: ArmKinematics, q0: FloatArray, q1: FloatArray, heigh
 
 
 def _lift(kinematics: ArmKinematics, q: FloatArray, height: float) -> FloatArray | None:
-    """From q straight up until G is at the height, shape (m, 7); only q where it is already."""
+    """Path from q straight up until G is at the height, shape (m, 7); only q when G is there already."""
     X_WG = kinematics.forward(q)
     missing = height - X_WG.translation()[2]
     if missing <= 0:
@@ -33,7 +33,7 @@ def _lift(kinematics: ArmKinematics, q: FloatArray, height: float) -> FloatArray
 
 
 def obstacle_height(world: World, c: Configuration, p0: FloatArray, p1: FloatArray, width: float) -> float:
-    """Top of the tallest thing near the line from p0 to p1 as seen from above; things count with their circumcircle."""
+    """Top of the tallest thing near the line from p0 to p1 seen from above [m]; things count as their circumcircles."""
     tops = [0.0]
     for name in (*world.spec.supports, *(name for name in c.poses if name != c.held)):
         X_WT = world.X_WT(c, name)
@@ -50,7 +50,7 @@ def _distance_from_above(p: FloatArray, p0: FloatArray, p1: FloatArray) -> float
 
 
 def reach_below_grasp(world: World, c: Configuration, X_WG: RigidTransform) -> float:
-    """How far hand and held box reach below G in c, where the hand is at X_WG [m]."""
+    """Distance from G down to the lowest point of hand and held box in c, where the hand is at X_WG [m]."""
     if c.held is None:
         return PAD_HALF_HEIGHT
     X_WO = to_transform(c.poses[c.held])

@@ -1,4 +1,4 @@
-"""The arm alone: forward kinematics, inverse kinematics, straight lines of the hand."""
+"""Kinematics of the arm alone: forward, inverse, and straight lines of the hand."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -23,14 +23,14 @@ VELOCITY: FloatArray = np.array([limits.velocity for limits in ARM_LIMITS])
 
 
 _ROUNDS = 4
-"""In so many parts, the nearest first, the angles of the last joint are looked at for travel times."""
+"""Number of rounds in which angles of the last joint are checked for travel times, the nearest first."""
 
 _LINES = 15
-"""Lines that are remembered: whether there is one is often asked before it is taken."""
+"""Number of lines kept in memory: whether a line exists is often asked before it is used."""
 
 
 class ArmKinematics:
-    """Kinematics of the arm on its base, nothing around it. Holds one Drake context."""
+    """Kinematics of the arm on its base with nothing around it. Holds one Drake context."""
 
     def __init__(self, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
         self.config = config or KinematicsConfig()
@@ -59,9 +59,9 @@ class ArmKinematics:
         """Joint positions that bring G to X_WG, near q_guess and comfortable, shape (7,) [rad], or None.
 
         Args:
-            X_WG: where G shall be.
-            q_guess: what it shall be near to, shape (7,) [rad].
-            accept: what a solution must satisfy besides, e.g. to be free of collisions.
+            X_WG: Target pose of G.
+            q_guess: Joint positions that the solution should be near, shape (7,) [rad].
+            accept: Further condition that a solution must satisfy, e.g. freedom from collisions.
         """
         found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._last)
         found = found[self._is_within_limits(found)]
@@ -78,11 +78,11 @@ class ArmKinematics:
         return None
 
     def travel_times(self, X_WG: FloatArray, q: FloatArray) -> FloatArray:
-        """Least time in which the arm could bring G to each pose if no joint needed to accelerate or to avoid anything.
+        """Minimum time in which the arm could bring G to each pose, without regard to acceleration and obstacles.
 
         Args:
-            X_WG: where G shall be, shape (n, 4, 4).
-            q: where the arm is, shape (7,) [rad].
+            X_WG: Target poses of G, shape (n, 4, 4).
+            q: Joint positions of the arm, shape (7,) [rad].
 
         Returns:
             Shape (n,) [s], infinite where the arm has no posture.
@@ -102,17 +102,17 @@ class ArmKinematics:
         return least
 
     def _is_within_limits(self, q: FloatArray) -> NDArray[np.bool_]:
-        """Of joint positions, shape (..., 7) -> (...); False for nan."""
+        """Whether joint positions are within the limits, shape (..., 7) -> (...); False for nan."""
         inside: NDArray[np.bool_] = np.all((q >= self.lower) & (q <= self.upper), axis=-1)
         return inside
 
     def comfortable_posture(self, X_WG: RigidTransform) -> FloatArray:
-        """The arm's comfortable configuration turned about its base towards G, shape (7,) [rad]."""
+        """The arm's comfortable posture, turned about its base towards G, shape (7,) [rad]."""
         x, y, _ = self._X_BW @ X_WG.translation()
         return np.clip(np.append(np.arctan2(y, x), HOME[1:]), self.lower, self.upper)
 
     def line(self, q0: FloatArray, X_WG1: RigidTransform) -> FloatArray | None:
-        """Joint positions along the straight line of G from where q0 holds it to X_WG1, shape (m, 7) [rad].
+        """Joint positions along the straight line of G from its pose at q0 to X_WG1, shape (m, 7) [rad].
 
         The hand turns evenly when the orientations differ. None when a joint limit or a singularity is in the way.
         """
@@ -138,7 +138,7 @@ class ArmKinematics:
         return path
 
     def _follow(self, q: FloatArray, X_WG: RigidTransform) -> FloatArray | None:
-        """Newton's method with the least change of the joints."""
+        """Joint positions near q with G at X_WG, by Newton's method with the least change of the joints, or None."""
         for _ in range(self.config.line_iterations):
             X_WH = self.forward(q)
             rotation = (X_WG.rotation() @ X_WH.rotation().inverse()).ToAngleAxis()
@@ -150,7 +150,7 @@ class ArmKinematics:
         return None
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """Of G's spatial velocity in W, angular first, shape (6, 7)."""
+        """Jacobian of G's spatial velocity in W, angular first, shape (6, 7)."""
         self.plant.SetPositions(self._context, q)
         world = self.plant.world_frame()
         return np.asarray(
@@ -169,10 +169,10 @@ def _interpolate_pose(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> R
 
 @lru_cache(maxsize=16)
 def _arm_plant(base: tuple[float, ...]) -> MultibodyPlant:
-    """The seven joints only: the fingers are welded, and frame `target` can be put anywhere.
+    """Plant of the seven joints only. The fingers are welded, and frame `target` can be put anywhere.
 
     Args:
-        base: the 12 numbers of X_WB's upper three rows. Arms with the same base share a plant, which never changes.
+        base: The 12 numbers of X_WB's upper three rows. Arms with the same base share a plant, which never changes.
     """
     plant = MultibodyPlant(0.0)
     add_panda(Parser(plant))

@@ -1,4 +1,4 @@
-"""Collision-free paths by sampling: RRT-Connect of the Open Motion Planning Library."""
+"""Collision-free paths by sampling, with RRT-Connect from the Open Motion Planning Library."""
 
 from collections.abc import Callable
 
@@ -21,14 +21,14 @@ def find_path(
     rng: np.random.Generator,
     config: PathConfig,
 ) -> FloatArray | None:
-    """A path of straight edges from q0 to q1, shape (m, 7) [rad], or None when the checks are used up.
+    """A path of straight edges from q0 to q1, shape (m, 7) [rad], or None when no checks are left.
 
     Args:
-        q0, q1: joint positions, shape (7,) [rad].
-        is_free: whether a configuration is free of collisions.
-        limits: lower and upper joint limits, each of shape (7,) [rad].
-        rng: seeds the library's own random numbers, so that the same state gives the same path.
-        config: how the path is searched.
+        q0, q1: Joint positions at the ends, shape (7,) [rad].
+        is_free: Whether a configuration is free of collisions.
+        limits: Lower and upper joint limits, each of shape (7,) [rad].
+        rng: Random numbers that seed the library's own, so that the same state gives the same path.
+        config: Constants of the search.
     """
     util.RNG.setSeed(int(rng.integers(1, 2**31)))
     space = _space(q0, q1, limits, config)
@@ -51,7 +51,7 @@ def find_path(
 
 
 class _Checker:
-    """Counts its calls. It must not refer to the library's objects, which refer to it and would never be freed."""
+    """Counts its calls. It must not refer to the library's objects: they refer to it and would never be freed."""
 
     def __init__(self, is_free: Callable[[FloatArray], bool]) -> None:
         self.checks = 0
@@ -65,7 +65,7 @@ class _Checker:
 def _space(
     q0: FloatArray, q1: FloatArray, limits: tuple[FloatArray, FloatArray], config: PathConfig
 ) -> base.RealVectorStateSpace:
-    """The joint ranges about both ends, which lie inside even where they break the limits."""
+    """Space of the joint ranges around both ends, which lie inside even where they violate the limits."""
     low, high = np.minimum(q0, q1), np.maximum(q0, q1)
     lower = np.minimum(np.maximum(low - config.margin, limits[0]), low)
     upper = np.maximum(np.minimum(high + config.margin, limits[1]), high)

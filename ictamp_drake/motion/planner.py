@@ -1,4 +1,4 @@
-"""Collision-free motions of the arm in a scene, the cheapest way first."""
+"""Collision-free motions of the arm in a scene, found by the cheapest stage that works."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ _STUCK = "the arm cannot follow the straight line"
 
 
 class Refusal(NamedTuple):
-    """Why there is no motion: the failure, one sentence more than it says, or none, and what would be touched."""
+    """Reason why there is no motion: the failure, an optional detail, and the obstacle if there is one."""
 
     failure: Failure
     detail: str = ""
@@ -31,28 +31,28 @@ class Refusal(NamedTuple):
 
     @classmethod
     def from_contact(cls, failure: Failure, contact: Contact | None) -> "Refusal":
-        """Because of a contact."""
+        """Refusal because of a contact, or without a detail when there is none."""
         return cls(failure) if contact is None else cls(failure, str(contact), contact.other)
 
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """A collision-free motion, and which stage found it: straight, free, raised, sampled or pushed."""
+    """A collision-free motion and the stage that found it: straight, free, raised, sampled or pushed."""
 
     trajectory: Trajectory
     stage: str
 
 
 class MotionPlanner:
-    """Plans in one scene, among the boxes of a configuration c. The same call gives the same motion.
+    """Plans motions in one scene, among the boxes of a configuration c. The same call gives the same motion.
 
-    Every call is given c: where the boxes are, which of them is in the hand, and how far the fingers are open. Where
-    the arm of c is does not matter unless it holds a box, whose place in the hand follows from both.
+    Every call takes c: where the boxes are, which of them is in the hand, and how far the fingers are open. The arm's
+    own position in c matters only when it holds a box, whose place in the hand follows from both.
 
     Attributes:
-        kinematics: of the arm alone.
-        optimizer: of trajectories, blind to collisions.
-        scene: where arm and held box touch things.
+        kinematics: Kinematics of the arm alone.
+        optimizer: Optimizer of trajectories, which ignores collisions.
+        scene: Collision queries for arm and held box.
     """
 
     def __init__(self, world: World, config: MotionConfig | None = None) -> None:
@@ -72,13 +72,13 @@ class MotionPlanner:
         """Joint positions with G at X_WG and no collision, near q_guess, shape (7,) [rad].
 
         Args:
-            c: what is around, and in the hand.
-            X_WG: where G shall be.
-            q_guess: what they shall be near to.
-            towards: a pose of G that the arm must be able to follow a straight line to; collisions on it do not count.
+            c: Configuration of what is around and in the hand.
+            X_WG: Target pose of G.
+            q_guess: Joint positions that the solution should be near.
+            towards: Pose of G to which the arm must be able to follow a straight line. Collisions on it do not count.
 
         Returns:
-            NO_INVERSE_KINEMATICS when G can't be brought there, GOAL_IN_COLLISION when every solution collides.
+            NO_INVERSE_KINEMATICS when the arm cannot bring G there, GOAL_IN_COLLISION when every solution collides.
         """
         colliding: list[FloatArray] = []
         stuck = False
@@ -101,9 +101,9 @@ class MotionPlanner:
         return Refusal(Failure.NO_INVERSE_KINEMATICS)
 
     def plan_straight(self, c: Configuration, q0: FloatArray, X_WG1: RigidTransform) -> PlannedMotion | Refusal:
-        """The hand goes on a straight line from where q0 holds it to X_WG1, turning evenly.
+        """Motion of the hand on a straight line from its pose at q0 to X_WG1, turning evenly.
 
-        The way to a known q1 is the reversed way from it: `plan_straight(c, q1, X_WG0).trajectory.reversed()`.
+        To reach a known q1, reverse the motion that starts there: `plan_straight(c, q1, X_WG0).trajectory.reversed()`.
         """
         path = self.kinematics.line(q0, X_WG1)
         if path is None:
@@ -118,14 +118,14 @@ class MotionPlanner:
     def transfer(
         self, c: Configuration, q0: FloatArray, q1: FloatArray, rng: np.random.Generator
     ) -> PlannedMotion | Refusal:
-        """From q0 to q1, both of shape (7,) [rad], on whatever way is free."""
+        """Motion from q0 to q1, both of shape (7,) [rad], on any way that is free."""
         room = self.config.padding
         for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
             nearest = min(self.scene.contacts(c, q, self.config.padding), default=None, key=lambda each: each.distance)
             if nearest is not None and nearest.distance <= 0:
                 return Refusal.from_contact(failure, nearest)
             room = room if nearest is None else min(room, nearest.distance)
-        padding = 0.9 * room  # the ends pass for certain
+        padding = 0.9 * room  # the ends are sure to pass
         free = self.optimizer.connect(q0, q1)
         for stage, trajectory in self._candidates(c, free, padding, rng):
             if self._is_free(c, trajectory, padding):
@@ -165,7 +165,7 @@ class MotionPlanner:
             yield trajectory
 
     def _push_away(self, c: Configuration, trajectory: Trajectory, padding: float) -> Trajectory:
-        """The trajectory moved away from what it is too near to, as if distances were linear in the joints."""
+        """The trajectory moved away from what is too near, as if distances were linear in the joints."""
         demands = []
         for share in np.linspace(0.0, 1.0, self.config.push_samples)[1:-1]:
             q = trajectory.positions(np.array([share * trajectory.duration]))[0]

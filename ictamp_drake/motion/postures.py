@@ -1,9 +1,9 @@
 """All postures of the arm with the hand at one pose, in closed form.
 
-A pose has six dimensions and the arm seven joints, so one of them is free: the last, as in He and Liu, "Analytical
-Inverse Kinematics for Franka Emika Panda" (ICCMA 2021). Its angle tells where the wrist's centre W is, in which axes 5
-and 6 meet. The triangle of shoulder S, elbow and W tells joint 4, where S is as seen from the wrist joints 6 and 5, and
-the shoulder's three are Euler angles.
+A pose has six dimensions and the arm seven joints, so one joint is free: the last, as in He and Liu, "Analytical
+Inverse Kinematics for Franka Emika Panda" (ICCMA 2021). Its angle determines the wrist's center W, where axes 5 and 6
+meet. The triangle of shoulder S, elbow and W determines joint 4, and the position of S as seen from the wrist
+determines joints 6 and 5. The three angles of the shoulder are Euler angles.
 """
 
 import numpy as np
@@ -24,14 +24,14 @@ _X_G7: FloatArray = inverse(X_7G[None])[0]
 
 
 def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
-    """Joint positions with the hand at X_BG, up to eight for each angle of the last joint, whatever the joints' limits.
+    """Joint positions with the hand at X_BG, up to eight for each angle of the last joint, regardless of joint limits.
 
     Args:
-        X_BG: pose of G in the arm's base frame, the same for all angles or one for each, shape (4, 4) or (n, 4, 4).
-        last: angles of the last joint, shape (n,) [rad].
+        X_BG: Pose of G in the arm's base frame, one for all angles or one for each, shape (4, 4) or (n, 4, 4).
+        last: Angles of the last joint, shape (n,) [rad].
 
     Returns:
-        Shape (8, n, 7), angles but the last in [-π, π) [rad]; nan where there is none.
+        Shape (8, n, 7), all angles except the last in [-π, π) [rad]; nan where there is none.
     """
     R_B7, p_B7 = _remove_hand(X_BG)
     R_B6 = _undo_joint(R_B7, 7, (np.cos(last), np.sin(last)))
@@ -39,7 +39,7 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
     R_B6 = R_B6[:, :, None]
     q = np.empty((2, 2, 2, len(last), 7))
     q[..., 6] = last
-    with np.errstate(invalid="ignore", divide="ignore"):  # what can't be is nan
+    with np.errstate(invalid="ignore", divide="ignore"):  # impossible angles are nan
         q4 = _elbow(np.sqrt(a * a + b * b + c * c), np.array([[1.0], [-1.0]]))
         turn4 = cos4, sin4 = np.cos(q4), np.sin(q4)
         x = cos4 * _S[0] + sin4 * _S[1] - _W[0]  # from W to S in link 4's frame
@@ -59,7 +59,7 @@ def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
             found[..., 4], found[..., 5] = q5, _wrap_angle(q6)
             for i, angle in enumerate((q1, q2, q3)):  # the shoulder's other way
                 found[0, ..., i], found[1, ..., i] = angle, -angle if i == 1 else angle - np.copysign(np.pi, angle)
-    q[np.isnan(q[..., 5])] = np.nan  # what makes another angle nan makes this one nan, too
+    q[np.isnan(q[..., 5])] = np.nan  # this angle is nan whenever another one is
     return q.reshape(8, len(last), 7)
 
 
@@ -77,9 +77,9 @@ def _undo_joint(axes: FloatArray, number: int, turn: tuple[FloatArray, FloatArra
     """Axes of the link before a link: x, y, z, each of shape (3, ..., n).
 
     Args:
-        axes: of the link.
-        number: of the link.
-        turn: cosine and sine of its joint's angle.
+        axes: Axes of the link.
+        number: Number of the link.
+        turn: Cosine and sine of its joint's angle.
     """
     (x, y, z), (cos, sin) = axes, turn
     alpha = DH_PARAMETERS[number - 1].alpha
@@ -88,7 +88,7 @@ def _undo_joint(axes: FloatArray, number: int, turn: tuple[FloatArray, FloatArra
 
 
 def _elbow(distance: FloatArray, bend: FloatArray) -> FloatArray:
-    """Angle of joint 4 at which S and W are so far apart, bent to either side (1 or -1); nan when they can't be."""
+    """Angle of joint 4 at a distance of S and W, bent to either side (1 or -1); nan when it is impossible."""
     upper, fore = np.hypot(*_S), np.hypot(*_W)
     between = np.arccos((upper**2 + fore**2 - distance**2) / (2 * upper * fore))
     folded = np.arctan2(_S[1], _S[0]) - np.arctan2(_W[1], _W[0])

@@ -9,7 +9,7 @@ from ictamp_drake.core.types import FloatArray
 
 @lru_cache
 def knots(points: int, order: int) -> FloatArray:
-    """Knots of a spline with so many control points, shape (points + order,)."""
+    """Knots of a spline with `points` control points, shape (points + order,)."""
     degree = order - 1
     found = np.concatenate([np.zeros(degree), np.linspace(0.0, 1.0, points - degree + 1), np.ones(degree)])
     found.setflags(write=False)
@@ -37,15 +37,15 @@ def differentiation(points: int, order: int) -> tuple[FloatArray, FloatArray, Fl
 def paces(points: int, order: int) -> FloatArray:
     """Ways from 0 to 1 from rest to rest as control points of splines, shape (number, points).
 
-    The first and the last three control points coincide. All ways speed up evenly, cruise, and slow down as they sped
-    up; they differ in how long they cruise.
+    The first three control points coincide, and so do the last three. All ways accelerate evenly, cruise, and slow
+    down in the same manner. They differ in how long they cruise.
     """
     free = points - 4
     return np.array([_pace(free, cruise, order) for cruise in range(free % 2, free - 1, 2)])
 
 
 def _pace(free: int, cruise: int, order: int) -> FloatArray:
-    """Control points from those of the acceleration, of which so many are not zero for being at an end."""
+    """Control points integrated from those of the acceleration: `free` between the ends, of which `cruise` are zero."""
     up = np.ones((free - cruise) // 2)
     acceleration = np.concatenate([[0.0], up, np.zeros(cruise), -up, [0.0]])
     t, degree = knots(free + 4, order), order - 1

@@ -10,9 +10,9 @@ from scipy.interpolate import BSpline
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
 
 _PROBES = 33
-"""Points of a trajectory at which the hand's way is measured."""
+"""Number of points of a trajectory at which the hand's way is measured."""
 _UNEVENNESS = 1.25
-"""How much faster than in the mean the hand may move between two of them."""
+"""Assumed ratio of the hand's top speed to its mean speed between two of these points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,9 +20,9 @@ class Trajectory:
     """A B-spline in joint space that starts and ends at rest.
 
     Attributes:
-        order: degree + 1.
-        knots: from 0 to the duration [s], shape (n + order,).
-        control_points: [rad], shape (n, 7).
+        order: Degree + 1.
+        knots: Knots from 0 to the duration [s], shape (n + order,).
+        control_points: Control points [rad], shape (n, 7).
     """
 
     order: int
@@ -31,17 +31,17 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
-        """[s]."""
+        """Duration [s]."""
         return float(self.knots[-1])
 
     @property
     def start(self) -> FloatArray:
-        """Shape (7,) [rad]."""
+        """Joint positions at the start, shape (7,) [rad]."""
         return self.control_points[0]
 
     @property
     def end(self) -> FloatArray:
-        """Shape (7,) [rad]."""
+        """Joint positions at the end, shape (7,) [rad]."""
         return self.control_points[-1]
 
     @cached_property
@@ -53,11 +53,11 @@ class Trajectory:
         return np.asarray(self._spline(times))
 
     def reversed(self) -> "Trajectory":
-        """The same way back in the same time."""
+        """The trajectory back along the same way in the same time."""
         return Trajectory(self.order, self.duration - self.knots[::-1], self.control_points[::-1])
 
     def segment(self, label: str, gripper: GripperCommand, touches: Collection[str] | None = None) -> Segment:
-        """As a piece of a motion, on which the arm or what it holds may touch some bodies; see `Segment`."""
+        """Segment of a motion, on which the arm or what it holds may touch some bodies; see `Segment`."""
         known = None if touches is None else frozenset(touches)
         return Segment(label, self.duration, gripper, self.order, self.knots, self.control_points, known)
 
@@ -65,12 +65,12 @@ class Trajectory:
 def sample(trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], step: float, turn: float) -> FloatArray:
     """Joint positions along a trajectory, both ends included, shape (m, 7) [rad].
 
-    Between neighbours the hand moves at most `step` [m], and neither hand nor any joint turns more than `turn` [rad].
+    Between neighbors the hand moves at most `step` [m], and neither hand nor any joint turns more than `turn` [rad].
 
     Args:
-        trajectory: what to look at.
-        forward: X_WG of many joint positions, (n, 7) -> (n, 4, 4).
-        step, turn: see above.
+        trajectory: Trajectory to sample.
+        forward: Function from many joint positions to X_WG, (n, 7) -> (n, 4, 4).
+        step, turn: Limits, see above.
     """
     times = np.linspace(0.0, trajectory.duration, _PROBES)
     qs = trajectory.positions(times)

@@ -1,4 +1,4 @@
-"""The quickest splines within the limits of the joints: closed forms, and Drake's kinematic trajectory optimisation."""
+"""The quickest splines within the joints' limits: closed forms, and Drake's kinematic trajectory optimization."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -15,16 +15,16 @@ from ictamp_drake.motion.splines import differentiation, knots, paces
 from ictamp_drake.motion.trajectory import Trajectory
 
 _TOLERANCE = 1e-3
-"""Of optimality, as SNOPT means it; finer ones shorten no trajectory by more than a thousandth."""
+"""Optimality tolerance of SNOPT. Finer ones shorten no trajectory by more than a thousandth."""
 
 
 class HalfSpace(NamedTuple):
     """A demand on one moment of a trajectory: normal @ q >= offset.
 
     Attributes:
-        share: the moment as part of the duration.
-        normal: shape (7,).
-        offset: in the unit of normal times radian.
+        share: Moment as a fraction of the duration.
+        normal: Normal in joint space, shape (7,).
+        offset: Bound in the unit of normal times radian.
     """
 
     share: float
@@ -33,7 +33,7 @@ class HalfSpace(NamedTuple):
 
 
 class TrajectoryOptimizer:
-    """Fastest splines within the joints' limits. Keeps a program or two for each number of control points."""
+    """Finds the fastest splines within the joints' limits. Keeps up to two programs per number of control points."""
 
     def __init__(self, config: TrajectoryConfig | None = None) -> None:
         self.config = config or TrajectoryConfig()
@@ -45,38 +45,38 @@ class TrajectoryOptimizer:
         self._programs: dict[tuple[int, int], _TrajectoryProgram] = {}
 
     def connect(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
-        """From q0 to q1, both of shape (7,) [rad], whatever is in the way."""
+        """Trajectory from q0 to q1, both of shape (7,) [rad], whatever is in the way."""
         return self.adjust(self.follow(np.array([q0, q1]), self.config.control_points), np.inf)
 
     def follow_corridor(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
-        """Through the corridor around a path from its first to its last row.
+        """Trajectory through the corridor around a path, from its first to its last row.
 
         Args:
-            path: joint positions joined by straight lines, shape (m, 7) [rad].
-            radius: how far each coordinate of a control point may leave the path [rad].
-            control_points: of the spline, at least `LEAST_POINTS`; more of them follow a crooked path closer.
+            path: Joint positions joined by straight lines, shape (m, 7) [rad].
+            radius: Distance by which each coordinate of a control point may leave the path [rad].
+            control_points: Number of control points, at least `LEAST_POINTS`. More follow a crooked path more closely.
         """
         return self._solve(_spread(path, _profile(control_points)), radius)
 
     def follow(self, path: FloatArray, control_points: int) -> Trajectory:
-        """Along a path, in closed form: all control points lie on it, and only the pace is chosen.
+        """Trajectory along a path, in closed form: all control points lie on it, and only the pace is chosen.
 
         Args:
-            path: joint positions joined by straight lines, shape (m, 7) [rad].
-            control_points: of the spline, at least `LEAST_POINTS`.
+            path: Joint positions joined by straight lines, shape (m, 7) [rad].
+            control_points: Number of control points, at least `LEAST_POINTS`.
         """
-        efforts = (np.abs(np.diff(path, axis=0)) / self.bounds[1]).max(axis=1)  # what limits short ways is acceleration
+        efforts = (np.abs(np.diff(path, axis=0)) / self.bounds[1]).max(axis=1)  # acceleration limits short ways
         points = _interpolate_path(path, efforts, paces(control_points, self.config.order))
         durations = self.shortest_durations(points)
         best = int(np.argmin(durations))
         return self._trajectory(points[best], float(durations[best]))
 
     def adjust(self, trajectory: Trajectory, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
-        """Like a trajectory, its control points moved by at most `radius` [rad] so that it meets the demands."""
+        """Variant of a trajectory whose control points moved by at most `radius` [rad] to meet the demands."""
         return self._solve(trajectory.control_points, radius, demands)
 
     def _solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace] = ()) -> Trajectory:
-        """As `_TrajectoryProgram.solve`; limits of jerk, a third of the work, are heeded only if broken otherwise."""
+        """Solve without jerk limits, which take a third of the work, and with them only if the result breaks them."""
         for limits in (2, 3):
             points = self._program(len(guess), limits).solve(guess, radius, demands)
             duration = float(self.shortest_durations(points))
@@ -93,11 +93,11 @@ class TrajectoryOptimizer:
         return self._programs[control_points, limits]
 
     def shortest_durations(self, points: FloatArray, limits: int = 3) -> FloatArray:
-        """Least durations [s] for the control points of splines, shape (..., n, 7) -> (...).
+        """Minimum durations [s] for the control points of splines, shape (..., n, 7) -> (...).
 
         Args:
-            points: see above.
-            limits: heeded ones, of velocity, acceleration and jerk, in this order.
+            points: Control points.
+            limits: Number of limits that count: of velocity, acceleration and jerk, in this order.
         """
         found: FloatArray = np.full(points.shape[:-2], MIN_DURATION)
         matrices = differentiation(points.shape[-2], self.config.order)
@@ -129,8 +129,8 @@ class _TrajectoryProgram:
     def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace]) -> FloatArray:
         """Control points of a quick trajectory, at most `radius` from those of the guess, shape (n, 7).
 
-        Any control points obey the limits when time is stretched, so what an unfinished optimisation has reached
-        serves as well, if it is better than the guess. Demands that can't be met are left unmet.
+        Any control points obey the limits when time is stretched. The result of an unfinished optimization can
+        therefore be used if it is better than the guess. Demands that cannot be met are left unmet.
         """
         corridor = self._set_corridor(guess, radius)
         weight = self._optimizer.config.straightness / guess.size
@@ -158,7 +158,7 @@ class _TrajectoryProgram:
         return program.AddLinearConstraint(rows, offsets, np.full(len(demands), np.inf), flat)
 
     def _set_corridor(self, guess: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
-        """The first and last three control points coincide: no velocity and no acceleration at the ends."""
+        """Bound the control points. The first and last three coincide, so velocity and acceleration end at zero."""
         lower = np.maximum(guess - radius, np.minimum(self._optimizer.lower, guess))
         upper = np.minimum(guess + radius, np.maximum(self._optimizer.upper, guess))
         for bound in (lower, upper):
@@ -168,17 +168,17 @@ class _TrajectoryProgram:
 
 
 def _profile(n: int) -> FloatArray:
-    """How far along the path each control point lies at first: bell-shaped velocity, shape (n,) from 0 to 1."""
+    """Initial place of each control point along the path, with bell-shaped velocity, shape (n,) from 0 to 1."""
     s = np.clip((np.arange(n) - 2) / (n - 5), 0, 1)
     return s * s * (3 - 2 * s)
 
 
 def _spread(path: FloatArray, shares: FloatArray) -> FloatArray:
-    """Points at shares of the path's length, shape (n, 7)."""
+    """Points at fractions of the path's length, shape (n, 7)."""
     return _interpolate_path(path, np.linalg.norm(np.diff(path, axis=0), axis=1), shares)
 
 
 def _interpolate_path(path: FloatArray, lengths: FloatArray, shares: FloatArray) -> FloatArray:
-    """Points at shares of a path's length, shape (...) -> (..., 7), when its pieces count as so long."""
+    """Points at fractions of a path's length, shape (...) -> (..., 7), given the lengths of its pieces."""
     places = np.append(0.0, np.cumsum(lengths))
     return np.stack([np.interp(shares * places[-1], places, column) for column in path.T], axis=-1)

@@ -11,7 +11,7 @@ from ictamp_drake.world.matrices import grasps, inverse, level
 ABSENT = -1
 """Number of no object."""
 LIFT = 0.04
-"""Rise of the hand with a box it has grasped [m]."""
+"""Rise of the hand with a box it has grasped, in what networks have learned from and by default in ψ_pick [m]."""
 
 Numbers = NDArray[np.intp]
 

@@ -1,4 +1,4 @@
-"""What a selection rule is made from and what it answers: it reads the tree and says what is computed next."""
+"""Interface of selection rules. A rule reads the tree and chooses what is computed next."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable

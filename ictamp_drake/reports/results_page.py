@@ -169,9 +169,7 @@ def _significance(chapter: Chapter) -> list[str]:
 
 def _table_1(chapter: Chapter) -> list[str]:
     limit = chapter.regime.time_limit
-    counted = (
-        "the time that they took, since there was no single limit" if limit is None else f"the limit of {limit:g} s"
-    )
+    counted = "the time that it took, as limits differ" if limit is None else f"the limit of {limit:g} s"
     rows = results_table.table_1(chapter.regime.name, chapter.regime.runs)
     return [f"In `mean time, all`, an unsolved run counts as {counted}.", "", *results_table.markdown(rows)]
 

@@ -8,6 +8,7 @@ import tyro
 from rich.console import Console
 
 from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.spelling import respell_option
 
 T = TypeVar("T")
 
@@ -33,9 +34,10 @@ def command(
     """
     console = Console(width=None if sys.stdout.isatty() else 120, markup=False, emoji=False, highlight=False)
     config = (tyro.conf.FlagCreatePairsOff,)
+    given = [respell_option(argument) for argument in (sys.argv[1:] if arguments is None else arguments)]
     prog = sys.argv[0] if sys.argv[0].startswith("ictamp ") else f"python -m {name}"
     try:
-        return act(tyro.cli(options, prog=prog, args=arguments, config=config), console)
+        return act(tyro.cli(options, prog=prog, args=given, config=config), console)
     except IctampError as error:
         print(error, file=sys.stderr)
         return BAD_INPUT

@@ -22,6 +22,7 @@ from ictamp_drake.core.decoding import mapping
 from ictamp_drake.core.errors import Code, IctampError, show
 from ictamp_drake.core.files import make_folder, write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
+from ictamp_drake.core.spelling import TODAY, respell_options
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.provenance import provenance
 from ictamp_drake.runs.records import drop_torn_line
@@ -69,6 +70,9 @@ def open_run_folder(name: str, work: Mapping[str, Any], conduct: Conduct) -> Ite
     make_folder(path)
     with lock_folder(path):
         drop_torn_line(path / RESULTS)
+        for older, today in TODAY.items():
+            if (path / older).is_dir() and not (path / today).exists():
+                (path / older).rename(path / today)  # what a strategy left
         sessions = [*before.get("sessions", []), session]
         write_whole(
             path / CONFIG,
@@ -107,7 +111,7 @@ def read_config(path: Path) -> dict[str, Any]:
         IctampError: The file is not the configuration of a run.
     """
     with in_file(path):
-        config = dict(mapping(parse(read_text(path))))
+        config = dict(respell_options(mapping(parse(read_text(path)))))
         for key in WIDENED:
             mapping(config.get(key, {}), key)
         if not isinstance(sessions := config.get("sessions", []), list):
@@ -126,6 +130,7 @@ def check_same(path: Path, config: Mapping[str, Any], fixed: Mapping[str, Any]) 
     Raises:
         IctampError: The configurations differ; the sentence names the first such option and both of its values.
     """
+    config = respell_options(config)
     before, now = (_flatten(_keep_common(one, other)) for one, other in ((config, fixed), (fixed, config)))
     for key in [*now, *before]:
         if before.get(key) != now.get(key):
@@ -178,5 +183,5 @@ def _flatten(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _option(key: str) -> str:
-    """How a value of the configuration is written on the command line."""
-    return "--" + key.removeprefix("options.").replace("_", "-") if key.startswith("options.") else key
+    """Name of a value of the configuration, of an option as on the command line."""
+    return key.removeprefix("options.").replace("_", "-") if key.startswith("options.") else key

@@ -8,9 +8,11 @@ from typing import Any, TypeVar
 
 from rich.console import Console
 
+from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import RESULTS, open_run_folder
+from ictamp_drake.runs.index import Index
 from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.progress import Progress, format_clock, format_count
 from ictamp_drake.runs.records import Record, read_records
@@ -63,10 +65,14 @@ def run(work: Work, console: Console) -> int:
         todo = [job for job in work.jobs if not (job.name in records and records[job.name].is_final)]
         done = len(work.jobs) - len(todo)
         console.print(f"{folder}: {format_count(len(todo), 'problem')} to solve, {done} done before", soft_wrap=True)
-        complete = not todo or _sweep(work, folder, todo, console)
+        index = Index(folder, [job.name for job in work.jobs])
+        try:
+            complete = not todo or _sweep(work, folder, todo, console, index)
+        finally:
+            index.write()
         records = _records(work, folder)
         console.print(format_results(list(records.values())))
-        _print_where(console, work, folder, records, complete)
+        _print_where(console, work, index, records, complete)
     if not complete:
         return INTERRUPTED
     return BROKEN if any(record.error is not None for record in records.values()) else COMPLETE
@@ -78,14 +84,19 @@ def _records(work: Work, folder: Path) -> dict[str, Record]:
     return {job.name: records[job.name] for job in work.jobs if job.name in records}
 
 
-def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console) -> bool:
+def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console, index: Index) -> bool:
     from ictamp_drake.runs.sweep import sweep  # noqa: PLC0415  (Drake takes long to load, and no help needs it)
 
     earlier = _records(work, folder).values()
     solved = sum(record.solved for record in earlier if record.is_final)
     start = time.monotonic()
     with Progress(console, [job.name for job in todo], len(work.jobs), solved) as progress:
-        complete = sweep(todo, folder, work.conduct, progress, alone=len(work.jobs) == 1)
+
+        def watch(board: Board, new: Sequence[Record]) -> None:
+            progress(board, new)
+            index.add(new)
+
+        complete = sweep(todo, folder, work.conduct, watch, alone=len(work.jobs) == 1)
     records = _records(work, folder)
     planning = sum(records[job.name].planning_time_s for job in todo if job.name in records)
     console.print(_effort(time.monotonic() - start, planning, work.conduct.engine.count_local_workers(len(todo))))
@@ -100,8 +111,10 @@ def _effort(seconds: float, planning: float, workers: int) -> str:
     return text
 
 
-def _print_where(console: Console, work: Work, folder: Path, records: Mapping[str, Record], complete: bool) -> None:
-    lines = [f"\nRecords: {folder / RESULTS}"]
+def _print_where(console: Console, work: Work, index: Index, records: Mapping[str, Record], complete: bool) -> None:
+    folder = index.path.parent
+    page = f"Page: {index.path}" if index.error is None else f"{index.path} could not be written: {index.error}"
+    lines = [f"\nRecords: {folder / RESULTS}", page]
     if work.conduct.artefacts == "all":
         solved = [name for name, record in records.items() if record.solved]
         searched = [name for name, record in records.items() if not record.error]

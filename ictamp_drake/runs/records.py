@@ -14,6 +14,7 @@ from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.reading import parse_json, read_bytes
+from ictamp_drake.core.spelling import respell
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.tamp.explanation import Blocked, Explanation
 
@@ -209,7 +210,8 @@ def read_records(path: Path) -> dict[str, Record]:
 
 
 def _parse(line: bytes) -> Record:
-    return decode(Record, {"load": [], **mapping(parse_json(line))})
+    record = decode(Record, {"load": [], **mapping(parse_json(line))})
+    return dataclasses.replace(record, strategy=respell(record.strategy))
 
 
 def _to_names(counts: Counter[Failure]) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""Supports and stacks of boxes at random spots about the arm, for scenes to learn from and the level `varied`.
+"""Supports and stacks of boxes at random spots around the arm, for training scenes and the level `varied`.
 
 The arm's base is the origin, as in `scenes.layout`, and stands on the table.
 """
@@ -15,9 +15,9 @@ from ictamp_drake.scenes.spec import BoxSpec, SupportSpec, Vector
 
 _MAX_STACK = 4
 _NEAR, _FAR = 0.27, 0.70
-"""Distances from the arm's base at which things stand [m]."""
+"""Smallest and largest distance of stacks from the arm's base [m]."""
 _GAP = 0.003
-"""Free space between outlines, and to the edge of what carries them [m], at least."""
+"""Minimum free space between outlines, and from an outline to the edge of its support [m]."""
 _TRIES = 300
 
 
@@ -27,7 +27,7 @@ class _Circle(NamedTuple):
 
 
 def random_supports(rng: np.random.Generator) -> dict[str, SupportSpec]:
-    """A table, and on it mostly a rack, sometimes a block or two of them."""
+    """A table and, on it, up to two more supports, mostly racks and sometimes blocks."""
     supports, taken = {"table": SUPPORTS["table"]}, list[_Circle]()
     for number in range(rng.choice(3, p=[0.15, 0.55, 0.3])):
         rack = rng.random() < 0.75
@@ -47,7 +47,7 @@ def random_supports(rng: np.random.Generator) -> dict[str, SupportSpec]:
 def random_boxes(
     supports: dict[str, SupportSpec], sizes: dict[str, Vector], rng: np.random.Generator
 ) -> tuple[dict[str, BoxSpec], dict[str, str]]:
-    """Stacks of boxes on the supports, and what each box stands on; those that find no room are left out."""
+    """Stacks of boxes on the supports, and what each box stands on. Boxes that find no room are left out."""
     crowded = rng.random() < 0.5
     carriers = dict[str, str]()
     boxes, taken = dict[str, BoxSpec](), list[_Circle]()
@@ -76,7 +76,7 @@ def _columns(names: Sequence[str], rng: np.random.Generator) -> list[list[str]]:
 
 
 def _spots(support: SupportSpec, beside: Sequence[_Circle], radius: float, rng: np.random.Generator) -> Iterator[Spot]:
-    """Random spots on a support, next to some circles where there are any."""
+    """Random spots on a support, most of them next to the circles of `beside` if there are any."""
     for _ in range(_TRIES):
         if beside and rng.random() < 0.8:
             other = beside[int(rng.integers(len(beside)))]
@@ -91,7 +91,7 @@ def _spots(support: SupportSpec, beside: Sequence[_Circle], radius: float, rng: 
 def _room(
     spots: Iterator[Spot], radius: float, where: str, supports: dict[str, SupportSpec], taken: Sequence[_Circle]
 ) -> _Circle | None:
-    """The first spot on a support that is within reach and clear of all else."""
+    """The first spot on a support that is within reach and clear of everything else, or None."""
     support = supports[where]
     obstacles = [each for name, each in supports.items() if where == "table" != name]
     for spot in spots:
@@ -108,7 +108,7 @@ def _crowds(here: _Circle, taken: Sequence[_Circle]) -> bool:
 
 
 def _margins(spot: Spot, support: SupportSpec) -> tuple[float, float]:
-    """How far a point is inside a support's edges along both of its axes, negative outside [m]."""
+    """Distances of a point from a support's edges along both of its axes, negative outside [m]."""
     x, y = spot[0] - support.position[0], spot[1] - support.position[1]
     cos, sin = math.cos(math.radians(support.yaw)), math.sin(math.radians(support.yaw))
     return support.size[0] / 2 - abs(cos * x + sin * y), support.size[1] / 2 - abs(cos * y - sin * x)
@@ -131,5 +131,5 @@ def _stand(
         x, y = round(spot[0] + piece.offset[0], 4), round(spot[1] + piece.offset[1], 4)
         red, green, blue = rng.uniform(0.15, 0.9, 3).round(2).tolist()
         position = (x, y, round(floor + piece.z, 6))
-        boxes[piece.name] = BoxSpec(sizes[piece.name], position, piece.rotation, colour=(red, green, blue))
+        boxes[piece.name] = BoxSpec(sizes[piece.name], position, piece.rotation, color=(red, green, blue))
     return boxes

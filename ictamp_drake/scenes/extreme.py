@@ -1,12 +1,13 @@
-"""The generator of the level `extreme`: two towers on a rack that bystanders crowd, with all six boxes.
+"""Generator of the level `extreme`: two towers on a rack that bystanders crowd, with all six boxes.
 
-One or two boxes are bystanders. They stand or lie on the rack, and leave just room for the two towers of the goal; one
-of two may instead be behind the arm's base, or stacked: on a tower on the table, or on the foot of a tower of the goal,
-which is on the rack already and must be cleared. The other boxes of the goal stand on the table in one or two towers,
-in the order of the goal, so that most must be put aside first. But up to one of each tower of the goal is tipped: it
-lies on the table, and at the foot or on the top in the end. When only one is, it lies so close beside the boxes of the
-other tower that the hand hardly gets at it before they are gone. Problems whose number is a multiple of three are
-plain: two bystanders stand on the rack. In the others the mixes of interferences take turns.
+One or two boxes are bystanders. They stand or lie on the rack and leave just enough room for the two towers of the
+goal. One of two may instead be behind the arm's base, or stacked: on a tower on the table, or on the foot of a tower of
+the goal, which is on the rack already and must be cleared. The other boxes of the goal stand on the table in one or two
+towers, in the order of the goal, so that most must be put aside first. At most one box of each tower of the goal is
+tipped: it lies on the table at the start, and at the foot or on top of its tower at the end. If only one box is tipped,
+it lies so close to the boxes of the other tower that the hand can hardly reach it before they are gone. Problems whose
+number is a multiple of three are plain: two bystanders stand on the rack. The others cycle through the mixes of
+interferences.
 """
 
 import itertools
@@ -31,17 +32,17 @@ from ictamp_drake.scenes.levels import SIZES, SUPPORTS, boxes_of, goal_of
 from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec
 
 RACK_ROOM = 0.015
-"""Free space between the circles about what stands on the rack, the towers of the goal among them [m], at least."""
+"""Minimum free space between the circles around stacks on the rack, including the towers of the goal [m]."""
 
 LEAST_SHARE = 0.05
-"""Of random spots for the goal's towers that do not hinder each other, at least so many are left by the bystanders."""
+"""Minimum share of random spots for the goal's towers, clear of each other, that the bystanders leave free."""
 
 Tower = tuple[str, ...]
-"""Boxes on each other, from the bottom up."""
+"""Boxes on top of each other, from the bottom up."""
 Kinds = tuple[str, ...]
 
 _STREAM = 8
-"""Key of the level's random numbers; smaller ones are those of the other levels and of scenes to learn from."""
+"""Key of the level's random numbers. Smaller keys belong to the other levels and to training scenes."""
 _DRAWS = 300
 _PLAIN: tuple[Kinds, ...] = ((), ())
 _MIXES: tuple[tuple[Kinds, ...], ...] = (
@@ -52,16 +53,16 @@ _MIXES: tuple[tuple[Kinds, ...], ...] = (
     (("tipped",), ("stacked",)),
     (("tipped",), ("behind",)),
 )
-"""Interferences of each bystander; one that is neither stacked nor behind is on the rack."""
+"""Interferences of each bystander. A bystander that is neither stacked nor behind is on the rack."""
 
 
 class _Cast(NamedTuple):
-    """Who plays which part.
+    """Roles of the boxes in a problem.
 
     Attributes:
-        towers: the two of the goal.
-        bystanders: the boxes outside the goal, with their interferences.
-        tipped: all boxes that lie on a side.
+        towers: The two towers of the goal.
+        bystanders: Boxes outside the goal, with their interferences.
+        tipped: All boxes that lie on a side.
     """
 
     towers: tuple[Tower, Tower]
@@ -69,16 +70,16 @@ class _Cast(NamedTuple):
     tipped: frozenset[str]
 
     def list_by_kind(self, kind: str) -> list[str]:
-        """The bystanders of that kind of interference."""
+        """Bystanders with that kind of interference."""
         return [name for name, kinds in self.bystanders.items() if kind in kinds]
 
     def find_to_clear(self) -> list[str]:
-        """The foot of the second tower, when it is on the rack already and the stacked bystander on it."""
+        """Foot of the second tower, if it is already on the rack with the stacked bystander on it."""
         tower = self.towers[1]
         return [tower[0]] if self.list_by_kind("stacked") and self.tipped.isdisjoint(tower) else []
 
     def find_barred(self) -> list[str]:
-        """The lying box of one tower, when all boxes of the other are in one that stands in the hand's way to it."""
+        """Lying box of one tower, if all boxes of the other form a single tower that blocks the hand's way to it."""
         if self.find_to_clear():
             return []
         pairs = self.towers, self.towers[::-1]
@@ -86,7 +87,7 @@ class _Cast(NamedTuple):
 
 
 def make_extreme(number: int, seed: int, stream: Stream) -> SceneSpec:
-    """The problem of that number; the same arguments always give the same one."""
+    """Create the problem of that number. The same arguments always give the same problem."""
     rng = generator(stream, seed, _STREAM, number)
     kinds = _kinds(number)
     rack_spots = None
@@ -130,13 +131,13 @@ def _draw_cast(kinds: tuple[Kinds, ...], rng: np.random.Generator) -> _Cast:
 
 
 def _stacks_on_rack(cast: _Cast) -> list[list[str]]:
-    """Boxes on each other on the rack."""
+    """Columns of boxes on the rack, each from the bottom up."""
     alone = [[name] for name, kinds in cast.bystanders.items() if not {"stacked", "behind"} & {*kinds}]
     return alone + [[foot, *cast.list_by_kind("stacked")] for foot in cast.find_to_clear()]
 
 
 def _stacks_on_table(cast: _Cast, rng: np.random.Generator) -> list[list[str]]:
-    """Boxes on each other on the table: one or two towers first, then lying boxes of the goal, then what is behind."""
+    """Columns of boxes on the table: one or two towers first, then lying boxes of the goal, then what is behind."""
     towers = sorted(cast.towers, key=lambda tower: not cast.tipped.isdisjoint(tower))
     packed = [name for name in itertools.chain(*towers) if name not in cast.find_to_clear()]
     standing, lying = ([name for name in packed if (name in cast.tipped) is tipped] for tipped in (False, True))
@@ -152,7 +153,7 @@ def _stacks(columns: Sequence[Sequence[str]], cast: _Cast, rng: np.random.Genera
 
 
 def _table_spots(stacks: Sequence[Stack], cast: _Cast, rng: np.random.Generator) -> list[Spot]:
-    """Centres of the stacks on the table; the barred box and about half of the others are next to the first."""
+    """Centers of the stacks on the table. The barred box and about half of the others are next to the first stack."""
     feet, behind = [stack[0].name for stack in stacks], cast.list_by_kind("behind")
     zones = [Zone.TOWER, *(Zone.BEHIND if foot in behind else Zone.FRONT for foot in feet[1:])]
     close = [foot in cast.find_barred() or bool(rng.integers(2)) for foot in feet]
@@ -161,7 +162,7 @@ def _table_spots(stacks: Sequence[Stack], cast: _Cast, rng: np.random.Generator)
 
 
 def _turn_stack(stack: Stack, spot: Spot, tower: Spot) -> Stack:
-    """The lying box with its narrow side, across which it is gripped, in the direction of the tower."""
+    """The lying box, turned so that its narrow side, across which it is gripped, is in the direction of the tower."""
     (piece,) = stack
     roll, pitch, _ = piece.rotation
     direction = math.degrees(math.atan2(tower[1] - spot[1], tower[0] - spot[0]))
@@ -170,18 +171,18 @@ def _turn_stack(stack: Stack, spot: Spot, tower: Spot) -> Stack:
 
 
 def _radii(towers: Sequence[Tower], stacks: Sequence[Stack]) -> dict[str, float]:
-    """Radius of a circle about each tower, named by its foot, that holds all its boxes as they lie or stand [m]."""
+    """Radius of a circle around each tower that contains all its boxes as they lie or stand [m], by its foot."""
     radius = {piece.name: math.hypot(*piece.footprint) / 2 for stack in stacks for piece in stack}
     return {tower[0]: max(radius[name] for name in tower) for tower in towers}
 
 
 def _rack_spots(stacks: Sequence[Stack], towers: dict[str, float], rng: np.random.Generator) -> list[Spot] | None:
-    """Centres of the stacks on the rack where they crowd it most, or None when no draw leaves room for the towers.
+    """Centers of the stacks on the rack where they crowd it most, or None when no draw leaves room for the towers.
 
     Args:
-        stacks: what stands on the rack at the start.
-        towers: radii of the goal's towers by foot [m].
-        rng: source of random numbers.
+        stacks: Stacks on the rack at the start.
+        towers: Radii of the goal's towers by foot [m].
+        rng: Source of random numbers.
     """
     feet = [stack[0].name for stack in stacks]
     radii = [max(outline_radius(stack), towers.get(foot, 0.0)) for stack, foot in zip(stacks, feet, strict=True)]
@@ -197,7 +198,7 @@ def _rack_spots(stacks: Sequence[Stack], towers: dict[str, float], rng: np.rando
 
 
 def _draws(radii: Sequence[float], rng: np.random.Generator) -> FloatArray:
-    """Random centres of circles on the rack that keep clear of each other, shape (m, len(radii), 2) [m]."""
+    """Random centers of circles on the rack that keep clear of each other, shape (m, len(radii), 2) [m]."""
     low, high = np.array(RACK_FOOTPRINT).T
     margin = np.array(radii)[:, None]
     spots = np.round(rng.uniform(low + margin, high - margin, (_DRAWS, len(radii), 2)), 4)

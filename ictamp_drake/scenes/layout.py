@@ -1,7 +1,7 @@
 """Geometry of packing scenes: stacks of boxes at rest, and free spots for them on the table.
 
 Everything is in the world frame, whose origin is the arm's base on the table top. Lengths are rounded to 0.1 mm and
-angles to 0.1 deg before they are checked, so that what is written to a file is what was checked.
+angles to 0.1 deg before they are checked, so that a file contains exactly the values that were checked.
 """
 
 import itertools
@@ -15,19 +15,19 @@ import numpy as np
 from ictamp_drake.scenes.spec import Vector
 
 REACH = 0.70
-"""Farthest point of a stack from the arm's base axis [m]."""
+"""Maximum distance of any point of a stack from the axis of the arm's base [m]."""
 
 MAX_OFFSET = 0.008
-"""Largest distance between the centre of a box and of the one below [m]."""
+"""Maximum horizontal distance between the center of a box and that of the box below [m]."""
 
 STABILITY_MARGIN = 0.012
-"""Distance of a stack's centres of mass from the edge of what carries them [m], at least."""
+"""Minimum distance of a stack's centers of mass from the edge of what carries them [m]."""
 
 STACK_GAP = 0.01
-"""Free space between the circumscribed circles of two stacks [m], at least."""
+"""Minimum free space between the circumscribed circles of two stacks [m]."""
 
 RACK_GAP = 0.02
-"""Free space between a stack and the rack's footprint [m], at least."""
+"""Minimum free space between a stack and the rack's footprint [m]."""
 
 RACK_FOOTPRINT = ((0.28, 0.60), (-0.44, -0.22))
 TABLE_FOOTPRINT = ((-0.30, 0.90), (-0.45, 0.45))
@@ -38,7 +38,7 @@ _TIPS = ((90.0, 0.0), (-90.0, 0.0), (0.0, 90.0), (0.0, -90.0))
 
 
 class Zone(Enum):
-    """Where on the table a stack may stand: bounds of its centre in x and y [m]."""
+    """Region of the table for the center of a stack: bounds in x and y [m]."""
 
     TOWER = ((0.40, 0.70), (-0.45, 0.45))
     FRONT = ((0.28, 0.70), (-0.45, 0.45))
@@ -49,11 +49,11 @@ class Piece(NamedTuple):
     """A box in its stack.
 
     Attributes:
-        name: of the box.
-        offset: x, y of its centre from the stack's centre [m].
-        z: height of its centre above the table [m].
-        rotation: roll, pitch, yaw [deg].
-        footprint: its two horizontal sides [m].
+        name: Name of the box.
+        offset: Offset of the box's center from the stack's center, x and y [m].
+        z: Height of the box's center above the table [m].
+        rotation: Roll, pitch, yaw [deg].
+        footprint: Horizontal sides [m].
     """
 
     name: str
@@ -68,7 +68,7 @@ Spot = tuple[float, float]
 
 
 def build_stack(names: Sequence[str], sizes: dict[str, Vector], tipped: bool, rng: np.random.Generator) -> Stack:
-    """Boxes on each other from the bottom up, faces touching, slightly off centre, each with its own yaw.
+    """Boxes on top of each other from the bottom up, faces touching, slightly off center, each with its own yaw.
 
     A tipped stack is one box that lies on a long side.
     """
@@ -102,7 +102,7 @@ def _offset(below: tuple[float, float], rng: np.random.Generator) -> tuple[float
 
 
 def is_stable(stack: Sequence[Piece]) -> bool:
-    """True when all that stands above each contact has its centre of mass well inside both faces (equal masses)."""
+    """Whether all that stands above each contact has its center of mass well inside both faces (equal masses)."""
     for below, above in itertools.pairwise(range(len(stack))):
         centre = np.mean([piece.offset for piece in stack[above:]], axis=0)
         for piece in (stack[below], stack[above]):
@@ -112,19 +112,19 @@ def is_stable(stack: Sequence[Piece]) -> bool:
 
 
 def outline_radius(stack: Stack) -> float:
-    """Radius of the circle about the stack's centre that holds all its boxes, seen from above [m]."""
+    """Radius of the circle around the stack's center that contains all its boxes, seen from above [m]."""
     return max(math.hypot(*piece.offset) + math.hypot(*piece.footprint) / 2 for piece in stack)
 
 
 def place_stacks(
     radii: Sequence[float], zones: Sequence[Zone], nearby: Sequence[bool], rng: np.random.Generator
 ) -> list[Spot]:
-    """Centres of stacks that keep clear of each other, of the rack, of the table's edge and of the arm.
+    """Centers of stacks that keep clear of each other, of the rack, of the table's edge and of the arm.
 
     Args:
-        radii: outline of each stack [m]; the first is the tower's.
-        zones: where each may stand.
-        nearby: whether it stands next to the tower, within a few centimetres.
+        radii: Outline radius of each stack [m]. The first is the tower's.
+        zones: Zone of each stack.
+        nearby: Whether each stack stands next to the tower, within a few centimeters.
     """
     while True:
         spots: list[Spot] = []
@@ -139,7 +139,7 @@ def place_stacks(
 def _free_spot(
     spots: list[Spot], radii: Sequence[float], zone: Zone, near: bool, rng: np.random.Generator
 ) -> Spot | None:
-    """A spot for the next stack, or None when many draws found none."""
+    """A spot for the next stack, or None when many draws find none."""
     radius = radii[len(spots)]
     taken = list(zip(spots, radii, strict=False))
     for _ in range(_TRIES):
@@ -151,7 +151,7 @@ def _free_spot(
 
 
 def fits(spot: Spot, radius: float, zone: Zone) -> bool:
-    """True when the circle lies on the table, within reach and clear of the rack, with its centre in the zone."""
+    """Whether the circle lies on the table, within reach and clear of the rack, with its center in the zone."""
     inside = all(low <= value <= high for value, (low, high) in zip(spot, zone.value, strict=True))
     bounds = zip(spot, TABLE_FOOTPRINT, strict=True)
     on_table = all(low + radius + _EDGE_GAP <= value <= high - radius - _EDGE_GAP for value, (low, high) in bounds)

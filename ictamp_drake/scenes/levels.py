@@ -1,4 +1,4 @@
-"""The levels of constrained packing, what their scenes consist of, and their committed problem files."""
+"""Levels of constrained packing: the contents of their scenes and their committed problem files."""
 
 import itertools
 import re
@@ -19,10 +19,10 @@ class Level:
     """A level of difficulty in the paper.
 
     Attributes:
-        tower: the boxes to pack, from the bottom up.
-        bystanders: the boxes outside the goal in every problem.
-        extras: further ones, of which a problem that is not plain has at least one.
-        count: how many problem files are committed.
+        tower: Boxes to pack, from the bottom up.
+        bystanders: Boxes outside the goal in every problem.
+        extras: Further boxes, at least one of which is in every problem that is not plain.
+        count: Number of committed problem files.
     """
 
     tower: tuple[str, ...]
@@ -38,7 +38,7 @@ PAPER_LEVELS = {
 }
 
 COUNTS = {**{name: level.count for name, level in PAPER_LEVELS.items()}, "extreme": 30, "varied": 40}
-"""How many problem files of each level are committed; the last two are ours, and made by generators of their own."""
+"""Number of committed problem files of each level. The last two levels are ours and have their own generators."""
 
 LEVELS = tuple(COUNTS)
 
@@ -49,11 +49,11 @@ SUPPORTS = {
     "table": SupportSpec(kind="table", position=(0.3, 0.0, 0.0)),
     "rack": SupportSpec(kind="rack", position=(0.44, -0.33, SUPPORT_SIZES["rack"][2]), yaw=90.0),
 }
-"""The table, and the rack that stands on it."""
+"""The table and the rack that stands on it."""
 
 
 def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]:
-    """The boxes of a stack that stands at a spot on a top face of height `floor` [m]."""
+    """Boxes of a stack at a spot on a top face of height `floor` [m]."""
     boxes = {}
     for name, offset, z, rotation, _ in stack:
         position = round(spot[0] + offset[0], 4), round(spot[1] + offset[1], 4), round(floor + z, 6)
@@ -63,17 +63,17 @@ def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]
 
 
 def goal_of(*towers: Sequence[str], tipped: Collection[str] = ()) -> str:
-    """The PDDL formula that all towers stand, given from their supports up; tipped boxes lie in them."""
+    """PDDL formula that all towers stand, each given from its support up. Tipped boxes lie in them."""
     steps = [step for tower in towers for step in itertools.pairwise(tower)]
     atoms = [f"({'lying' if above in tipped else 'on'} {above} {below})" for below, above in steps]
     return f"(and {' '.join(atoms)})"
 
 
 def problem_files(level: str, selection: str = ":") -> list[Path]:
-    """The committed problem files of a level, e.g. those of the selection 0:5.
+    """Committed problem files of a level, e.g. those of the selection 0:5.
 
     Raises:
-        IctampError: when there is no such level or the selection is not understood or empty.
+        IctampError: The level does not exist, or the selection is malformed or empty.
     """
     check_choice("level", level, LEVELS)
     folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
@@ -84,17 +84,17 @@ def parse_selection(selection: str, count: int, option: str = "problems", of: st
     """Numbers below `count` from a number (3) or a slice (0:5, 10:, :).
 
     Args:
-        selection: what was given.
-        count: how many there are.
-        option: that it was given for.
-        of: what the numbers are of, e.g. " of hard".
+        selection: Text of the selection.
+        count: Number of items to select from.
+        option: Name of the option in messages.
+        of: Source of the numbers in messages, e.g. " of hard".
 
     Raises:
-        IctampError: when it is neither or selects nothing.
+        IctampError: The text is neither a number nor a slice, or selects no number below `count`.
     """
     match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
     if match is None or selection.strip() == "":
-        problem = "expected a number or a slice, e.g. 3, 0:5, 10: or :, got {value}"
+        problem = "expected a number or a slice, such as 3, 0:5 or 10:, got {value}"
         raise IctampError(Code.WRONG_TYPE, problem, field=option, value=selection)
     start, colon, stop = match.groups()
     chosen = range(count)[int(start or 0) : int(stop) if stop else None] if colon else range(int(start), int(start) + 1)

@@ -1,9 +1,9 @@
-"""The generator of the constrained packing problems; `scenes.extreme` and `scenes.varied` make those of our own levels.
+"""Generator of the constrained packing problems. `scenes.extreme` and `scenes.varied` make those of our own levels.
 
-A tower stands on the table and must stand in the same order on the rack; the boxes outside the goal interfere (paper,
-Experiments). Problems whose number is a multiple of three are plain: the other boxes are bystanders that stand on the
-table, and there are none on hard. In all others they are stacked (on the tower or on each other), behind the arm's
-base, or tipped (lying on a long side); the mixes of these kinds take turns.
+A tower stands on the table and must stand in the same order on the rack. The boxes outside the goal interfere (paper,
+Experiments). Problems whose number is a multiple of three are plain: the other boxes, of which hard has none, are
+bystanders that stand on the table. In all other problems they are stacked (on the tower or on each other), behind the
+arm's base, or tipped (lying on a long side). The problems cycle through the mixes of these kinds.
 
 `python -m ictamp_drake.scenes.packing --level easy --seed 1 --count 10 --out FOLDER` makes more problems.
 """
@@ -25,26 +25,26 @@ from ictamp_drake.scenes.spec import INTERFERENCES, BoxSpec, SceneSpec, save_sce
 from ictamp_drake.scenes.varied import make_varied
 
 MAX_STACK = 5
-"""Boxes on each other at most: higher towers sway, and the arm cannot lift boxes off them everywhere."""
+"""Maximum number of boxes in a tower. Higher towers sway, and the arm cannot lift boxes off them everywhere."""
 
 Kinds = frozenset[str]
 Roles = dict[str, Kinds]
-"""The kinds of interference of each box outside the goal; none for a plain bystander."""
+"""Kinds of interference of each box outside the goal; none for a plain bystander."""
 
 _BOX_KINDS = tuple(frozenset(kinds) for kinds in ((), ("stacked",), ("behind",), ("tipped",), ("behind", "tipped")))
 _OWN = {"extreme": make_extreme, "varied": make_varied}
-"""Generators of the levels that are not the paper's."""
+"""Generators of the levels that are not in the paper."""
 _MIXES = tuple(frozenset(mix) for n in (1, 2, 3) for mix in itertools.combinations(INTERFERENCES, n))
 
 
 def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream.SCENES) -> SceneSpec:
-    """The problem of that number; the same arguments always give the same one.
+    """Create the problem of that number. The same arguments always give the same problem.
 
-    The committed files have seed 0 in the stream SCENES. Scenes to learn from take another stream, e.g. DATA, and so
-    never meet them, whatever their seeds.
+    The committed files have seed 0 in the stream SCENES. Training scenes use another stream, e.g. DATA, and therefore
+    never coincide with them, whatever their seeds.
 
     Raises:
-        IctampError: when there is no such level.
+        IctampError: The level does not exist.
     """
     check_choice("level", level, LEVELS)
     if level in _OWN:
@@ -71,7 +71,7 @@ def make_problem(level: str, number: int, seed: int = 0, stream: Stream = Stream
 
 
 def _draw_roles(level: Level, number: int, rng: np.random.Generator) -> Roles:
-    """Which boxes are outside the goal, and which kinds of interference each of them has."""
+    """Boxes outside the goal, each with its kinds of interference."""
     if number % 3 == 0:
         return dict.fromkeys(level.bystanders, frozenset())
     least = 1 if level.extras else 0
@@ -85,7 +85,7 @@ def _draw_roles(level: Level, number: int, rng: np.random.Generator) -> Roles:
 
 
 def _assignments(mix: Kinds, level: Level, count: int) -> list[tuple[Kinds, ...]]:
-    """All ways in which `count` boxes together show exactly the kinds of the mix, on no tower that is too high."""
+    """All ways in which `count` boxes together show exactly the kinds of the mix without too high a tower."""
     every = itertools.product(_BOX_KINDS, repeat=count)
     room = MAX_STACK - len(level.tower)
     return [
@@ -118,10 +118,10 @@ def write_problems(level: str, out: Path, count: int = 10, seed: int = 0) -> Non
     """Write problem files 000.yaml, 001.yaml, … of a level.
 
     Args:
-        level: easy, medium, hard, extreme or varied.
-        out: folder for the files, made if it is not there.
-        count: how many.
-        seed: 0 gives the committed problems, any other new ones.
+        level: Name of the level: easy, medium, hard, extreme or varied.
+        out: Folder for the files, created if it does not exist.
+        count: Number of problems.
+        seed: Random seed. 0 gives the committed problems, any other gives new ones.
     """
     out.mkdir(parents=True, exist_ok=True)
     for number in range(count):
@@ -129,7 +129,7 @@ def write_problems(level: str, out: Path, count: int = 10, seed: int = 0) -> Non
 
 
 def main() -> None:
-    """Command line of `write_problems`; a mistake is printed as one sentence and gives exit code 2."""
+    """Run the command line of `write_problems`. An error is printed as one sentence and gives exit code 2."""
     try:
         tyro.cli(write_problems)
     except (IctampError, OSError) as error:

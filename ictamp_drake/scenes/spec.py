@@ -1,7 +1,7 @@
-"""A scene as frozen dataclasses, and their YAML file.
+"""A scene as frozen dataclasses, and its YAML file.
 
-Angles are degrees in the file and in the specs, since people write them; poses (`X_W…`) are core's arrays of seven.
-Whether boxes overlap or float, and what the goal means, is checked in the rooms `world` and `symbolic`.
+Angles are in degrees in the file and in the specs, since people write them. Poses (`X_W…`) are core's arrays of seven.
+The rooms `world` and `symbolic` check whether boxes overlap or float, and what the goal means.
 """
 
 import dataclasses
@@ -30,7 +30,7 @@ SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPP
 """Default size (x, y, z) of each kind of support [m]."""
 
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
-"""Shortest side of each kind of support [m]; a rack's legs and stabilisers need room."""
+"""Shortest side of each kind of support [m]; a rack's legs and stabilizers need room."""
 
 INTERFERENCES = ("stacked", "behind", "tipped")
 """Kinds of interference of boxes outside the goal (paper, Experiments)."""
@@ -38,11 +38,11 @@ INTERFERENCES = ("stacked", "behind", "tipped")
 
 @dataclass(frozen=True)
 class ArmSpec:
-    """Where the arm is mounted.
+    """Mounting pose of the arm.
 
     Attributes:
-        position: base frame B in W [m].
-        yaw: about W's z axis [deg].
+        position: Position of the base frame B in W [m].
+        yaw: Rotation about W's z axis [deg].
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -63,10 +63,10 @@ class SupportSpec:
     """A table (a slab) or a rack (a plate on legs) that never moves.
 
     Attributes:
-        kind: table or rack.
-        position: centre of the TOP face in W [m], the origin of the receptacle's frame T.
-        yaw: about W's z axis [deg].
-        size: x, y, z in T [m]; empty for the kind's default, which is filled in.
+        kind: Kind of support: table or rack.
+        position: Center of the TOP face in W [m], the origin of the receptacle's frame T.
+        yaw: Rotation about W's z axis [deg].
+        size: Sides along x, y, z of T [m]. If empty, the kind's default is filled in.
     """
 
     kind: str
@@ -89,15 +89,15 @@ class SupportSpec:
 
 @dataclass(frozen=True)
 class BoxSpec:
-    """A box that can be moved.
+    """A movable box.
 
     Attributes:
-        size: x, y, z in the box's frame O [m].
-        position: centre in W [m].
-        rotation: roll, pitch, yaw of O in W [deg]: R_WO = Rz(yaw) Ry(pitch) Rx(roll).
-        mass: [kg].
-        friction: coefficient of Coulomb friction, static and dynamic.
-        colour: red, green, blue, each in [0, 1].
+        size: Sides along x, y, z of the box's frame O [m].
+        position: Center in W [m].
+        rotation: Roll, pitch, yaw of O in W [deg]: R_WO = Rz(yaw) Ry(pitch) Rx(roll).
+        mass: Mass [kg].
+        friction: Coefficient of Coulomb friction, static and dynamic.
+        color: Red, green, blue, each in [0, 1].
     """
 
     size: Vector
@@ -105,7 +105,7 @@ class BoxSpec:
     rotation: Vector = (0.0, 0.0, 0.0)
     mass: float = 0.1
     friction: float = 0.6
-    colour: Vector = (0.6, 0.6, 0.6)
+    color: Vector = (0.6, 0.6, 0.6)
 
     def __post_init__(self) -> None:
         check_vector("size", self.size, 0.008, 1, " m")
@@ -113,7 +113,7 @@ class BoxSpec:
         check_vector("rotation", self.rotation, -360, 360, " deg")
         check_range("mass", self.mass, 0.001, 3, " kg")
         check_range("friction", self.friction, 0.05, 2)
-        check_vector("colour", self.colour, 0, 1)
+        check_vector("color", self.color, 0, 1)
         self._check_width()
 
     def _check_width(self) -> None:
@@ -125,17 +125,17 @@ class BoxSpec:
 
     @property
     def X_WO(self) -> FloatArray:
-        """Pose of the box's centre, shape (7,)."""
+        """Pose of the box's center, shape (7,)."""
         return _pose(self.rotation, self.position)
 
 
 @dataclass(frozen=True)
 class StartSpec:
-    """How the arm stands when planning begins, and what it holds.
+    """State of the arm when planning begins.
 
     Attributes:
-        joints: positions of the arm's joints, base first [rad]; empty for the arm's home posture.
-        held: name of the box between the fingers, where `boxes` says that it is; empty for an open, empty hand.
+        joints: Positions of the arm's joints, base first [rad]. If empty, the arm is in its home posture.
+        held: Name of the box between the fingers, at its pose in `boxes`. If empty, the hand is open and empty.
     """
 
     joints: tuple[float, ...] = ()
@@ -147,17 +147,17 @@ class StartSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneSpec:
-    """Everything that a planning problem consists of.
+    """A complete planning problem.
 
     Attributes:
-        arm: where the arm is mounted.
-        supports: by name, at least one.
-        boxes: by name, at least one.
+        arm: Mounting pose of the arm.
+        supports: Supports by name, at least one.
+        boxes: Boxes by name, at least one.
         goal: PDDL formula, e.g. (and (on cyan_box rack) (on yellow_box cyan_box)).
-        start: how the arm stands at the beginning, and what it holds.
-        seed: of everything random in the problem.
-        interference: kinds of interference of a packing problem; empty in other scenes.
-        description: one sentence for people.
+        start: Posture of the arm at the beginning, and what it holds.
+        seed: Random seed of the problem.
+        interference: Kinds of interference of a packing problem. Empty in other scenes.
+        description: One sentence for people.
     """
 
     arm: ArmSpec = ArmSpec()
@@ -198,13 +198,13 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
     """Write a scene file that `load_scene` reads back exactly; it appears whole or not at all.
 
     Raises:
-        OSError: when the folder is not there or cannot be written.
+        OSError: The folder does not exist or is not writable.
     """
     write_whole(path, to_yaml(spec))
 
 
 def to_dict(spec: SceneSpec) -> dict[str, Any]:
-    """The scene in the types of YAML and JSON; `start` is left out where it says nothing."""
+    """The scene in the types of YAML and JSON. `start` is left out if it has its default values."""
     values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
         del values["start"]

@@ -1,7 +1,8 @@
-"""Scenes to learn from: packing problems under other seeds, and wider ones.
+"""Training scenes: packing problems under other seeds, and wider scenes.
 
-Wider scenes have one to six boxes of random sizes, alone, stacked or tipped, on the table, on racks and blocks anywhere
-within reach, behind the arm's base, and close to each other. All are drawn from the stream DATA, which no problem is.
+Wider scenes have one to six boxes of random sizes, alone, stacked or tipped. They are on the table, on racks and blocks
+anywhere within reach, behind the arm's base, and close to each other. All scenes are drawn from the stream DATA, which
+no problem uses.
 """
 
 import numpy as np
@@ -14,13 +15,13 @@ from ictamp_drake.scenes.packing import make_problem
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, Vector
 
 CYCLE = 8
-"""Of so many consecutive scenes one is easy, one medium, one hard, and the others are wider ones."""
+"""Period of the mix of scenes: one easy, one medium, one hard, and the rest wider ones."""
 
 MAX_BOXES = 6
 
 
 def training_scene(number: int, seed: int = 0) -> SceneSpec:
-    """The scene of that number; the same arguments always give the same one."""
+    """Create the scene of that number. The same arguments always give the same scene."""
     kind = number % CYCLE
     if kind < len(PAPER_LEVELS):
         return make_problem(list(PAPER_LEVELS)[kind], number // CYCLE, seed, Stream.DATA)
@@ -40,7 +41,7 @@ def training_scene(number: int, seed: int = 0) -> SceneSpec:
 
 
 def _size(rng: np.random.Generator) -> Vector:
-    """Sides of a box that the hand can grip, whichever way it lies [m]."""
+    """Random sides of a box that the hand can grip, whichever way it lies [m]."""
     wide = rng.random() < 0.15
     depth, height = ((MAX_SIDE, 0.095), (0.04, MAX_SIDE)) if wide else ((0.035, MAX_SIDE), (0.04, 0.13))
     return round(rng.uniform(0.035, MAX_SIDE), 3), round(rng.uniform(*depth), 3), round(rng.uniform(*height), 3)

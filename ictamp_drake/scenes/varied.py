@@ -1,9 +1,9 @@
-"""The generator of the level `varied`: scenes of all sorts, as somebody else might write them.
+"""Generator of the level `varied`: scenes of all sorts, as somebody else might write them.
 
-Up to ten boxes of random sizes, masses and frictions stand, lie or are stacked about the arm, on a table and up to two
+Up to ten boxes of random sizes, masses and frictions stand, lie or are stacked around the arm, on a table and up to two
 racks or blocks. The goal puts up to five of them in one or two towers on any supports. In half of the problems the arm
-and all about it are somewhere else in the world. The start is at rest, but nothing makes sure that the goal can be
-reached.
+and everything around it are somewhere else in the world. The start is at rest, but the goal is not guaranteed to be
+reachable.
 """
 
 import math
@@ -22,19 +22,19 @@ from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec, Vector
 
 LEAST_BOXES, MOST_BOXES = 3, 10
 LARGEST_GOAL = 5
-"""Boxes in the goal, at most."""
+"""Maximum number of boxes in the goal."""
 
 _STREAM = 9
-"""Key of the level's random numbers; smaller ones are those of the other levels and of scenes to learn from."""
+"""Key of the level's random numbers. Smaller keys belong to the other levels and to training scenes."""
 _HIGHEST_TOWER = 3
 _HAND = (0.31, 0.0, 0.48)
 """Tips of the fingers at the start, in the arm's base frame [m]."""
 _HAND_ROOM = 0.2
-"""Distance from the hand, seen from above, that what reaches as high keeps at the start [m]."""
+"""Minimum distance from the hand, seen from above, of what reaches as high at the start [m]."""
 
 
 def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
-    """The problem of that number; the same arguments always give the same one."""
+    """Create the problem of that number. The same arguments always give the same problem."""
     rng = generator(stream, seed, _STREAM, number)
     boxes = dict[str, BoxSpec]()
     while len(boxes) < LEAST_BOXES or any(map(_is_near_hand, boxes.values())):
@@ -60,7 +60,7 @@ def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
 
 
 def _size(rng: np.random.Generator) -> Vector:
-    """Sides of a box that the hand can grip, whichever way it lies [m]."""
+    """Random sides of a box that the hand can grip, whichever way it lies [m]."""
     width, depth, height = (round(rng.uniform(0.03, most), 3) for most in (0.07, 0.09, 0.14))
     return width, depth, height if depth <= MAX_SIDE else min(height, MAX_SIDE)
 
@@ -71,7 +71,7 @@ def _is_near_hand(box: BoxSpec) -> bool:
 
 
 def _towers(supports: Sequence[str], carriers: Mapping[str, str], rng: np.random.Generator) -> list[list[str]]:
-    """Towers to build, each from its support up, not all of which are there already."""
+    """Random towers to build, each from its support up, not all of which exist already."""
     while True:
         count = int(rng.integers(1, min(LARGEST_GOAL, len(carriers)) + 1))
         wanted = rng.permutation(sorted(carriers))[:count].tolist()
@@ -100,11 +100,11 @@ def _moved_box(box: BoxSpec, arm: ArmSpec) -> BoxSpec:
 
 
 def _to_world_position(p_BA: Vector, arm: ArmSpec) -> Vector:
-    """A position in the world from that in the arm's base frame [m]."""
+    """Position in the world of a position in the arm's base frame [m]."""
     x, y, z = (Rotation.from_euler("z", arm.yaw, degrees=True).apply(p_BA) + arm.position).round(6).tolist()
     return x, y, z
 
 
 def _to_world_yaw(yaw: float, arm: ArmSpec) -> float:
-    """A yaw in the world from that in the arm's base frame, in [-180, 180) [deg]."""
+    """Yaw in the world of a yaw in the arm's base frame, in [-180, 180) [deg]."""
     return round((yaw + arm.yaw + 180) % 360 - 180, 1)

@@ -1,4 +1,4 @@
-"""What a skill is, and the pieces from which skills put their motions together."""
+"""Building blocks from which skills put their motions together."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -10,16 +10,16 @@ from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.commands import gripper_time, stand_still
 
 PAUSE = 0.1
-"""Time that the hand waits after the gripper has obeyed [s]."""
+"""Waiting time of the hand after the gripper has obeyed [s]."""
 
 
 def hold(label: str, q: FloatArray, before: GripperCommand, after: GripperCommand, touches: Collection[str]) -> Segment:
-    """The arm stands still at q, shape (7,) [rad], while the gripper goes from one command to the next."""
+    """Stand still at q, shape (7,) [rad], while the gripper goes from one command to the next."""
     return stand_still(label, gripper_time(before, after) + PAUSE, q, after, frozenset(touches))
 
 
 def openings(needed: float, clearances: Sequence[float]) -> tuple[GripperCommand, ...]:
-    """Commands that open the hand wider than needed by a clearance on each side, or as far as it goes; all in [m]."""
+    """Commands that open the hand by a clearance on each side more than needed, up to its maximum; all in [m]."""
     widths = (min(needed + 2 * clearance, MAX_OPENING) for clearance in clearances)
     return tuple(GripperCommand(width) for width in dict.fromkeys(widths))
 
@@ -27,7 +27,7 @@ def openings(needed: float, clearances: Sequence[float]) -> tuple[GripperCommand
 def configuration_after(
     c: Configuration, motion: Motion, *, width: float, held: str | None, moved: Mapping[str, FloatArray]
 ) -> Configuration:
-    """c after a motion that went well: the fingers `width` apart [m], the `moved` boxes at their X_WO."""
+    """c after a successful motion: fingers `width` apart [m], the `moved` boxes at their X_WO."""
     q = motion[-1].control_points[-1]
     return replace(imagine(c, q=q, width=width, held=held, moved=moved), gripper=motion[-1].gripper)
 
@@ -40,5 +40,5 @@ def imagine(
     held: str | None,
     moved: Mapping[str, FloatArray] | None = None,
 ) -> Configuration:
-    """c as it will be: arm at q, shape (7,) [rad], fingers `width` apart [m], the `moved` boxes at their X_WO."""
+    """c with the arm at q, shape (7,) [rad], fingers `width` apart [m], and the `moved` boxes at their X_WO."""
     return Configuration(np.concatenate([q, [width / 2] * 2]), {**c.poses, **(moved or {})}, held)

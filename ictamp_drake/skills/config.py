@@ -1,4 +1,4 @@
-"""Constants of samplers and skills. Knows no Drake and no torch, so that the help of a program comes at once."""
+"""Constants of samplers and skills. Imports neither Drake nor torch, so that programs show their help at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -32,12 +32,12 @@ if TYPE_CHECKING:
 CLEARANCES = (0.01, 0.006, 0.003)
 """Distances of each finger from the box while the hand comes down to it or leaves it [m].
 
-The first one bears a box that is 3 mm and 2 deg from where it was seen, the last one what the arm deviates by.
+The first one tolerates a box 3 mm and 2 deg from its expected pose. The last one tolerates only the arm's own errors.
 """
 
 
 def check_clearances(field: str, clearances: Sequence[float]) -> None:
-    """Raise IctampError unless there is a clearance, and each is between 0 and the opening of the hand [m]."""
+    """Raise IctampError unless there is a clearance and all are between 0 and the opening of the hand [m]."""
     if not clearances:
         raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
     check_vector(field, clearances, 0, MAX_OPENING, " m", count=None)
@@ -48,8 +48,8 @@ class UniformConfig:
     """Ranges of k.
 
     Attributes:
-        yaw: least and greatest yaw [rad]; half a turn holds every grasp of a gripper with two fingers.
-        max_height: greatest height of a placement above the receptacle's top face [m].
+        yaw: Smallest and largest yaw [rad]. Half a turn covers every grasp of a gripper with two fingers.
+        max_height: Maximum height of a placement above the receptacle's top face [m].
     """
 
     yaw: tuple[float, float] = (-np.pi / 4, 3 * np.pi / 4)
@@ -68,25 +68,25 @@ class UniformConfig:
 
 @dataclass(frozen=True)
 class OptimizationConfig:
-    """How programs are posed.
+    """Constants of the programs that are solved for k.
 
     Attributes:
-        restarts: programs tried for one k.
-        max_width: widest side that is gripped [m].
-        depth: least and greatest distance of G below the box's top [m].
-        ground: least distance of G above the box's bottom [m].
-        grip_offset: greatest distance of G from the box's middle across the fingers' direction and along it [m].
-        turn: greatest deviation of yaw from the faces' directions [rad].
-        height: least and greatest height of a placement above the top face [m].
-        overhang: greatest distance of a box's centre from that of the box below [m].
-        play: distance of each finger from the box before it closes [m].
-        clearance: distance kept from the neighbours' outlines [m].
-        spots: random spots compared for a placement on a support; the one with most room is aimed at.
-        room: distance from which on more room is worth nothing [m].
-        reach: least and greatest horizontal distance of a placement from the arm's base [m].
-        centring: cost of the distance from the aim [1/m^2].
-        comfort: cost of the distance from the comfortable posture [1/rad^2].
-        spread: of the random starts about the comfortable posture [rad].
+        restarts: Maximum number of programs tried for one k.
+        max_width: Widest side that is gripped [m].
+        depth: Minimum and maximum distance of G below the box's top [m].
+        ground: Minimum distance of G above the box's bottom [m].
+        grip_offset: Maximum distance of G from the box's center, across the fingers' direction and along it [m].
+        turn: Maximum deviation of yaw from the directions of the faces [rad].
+        height: Minimum and maximum height of a placement above the top face [m].
+        overhang: Maximum horizontal distance of a box's center from the center of the box below [m].
+        play: Distance of each finger from the box before it closes [m].
+        clearance: Distance kept from the outlines of neighbors [m].
+        spots: Number of random spots compared for a placement on a support. The roomiest one becomes the aim.
+        room: Room beyond the clearance above which spots count as equal [m].
+        reach: Minimum and maximum horizontal distance of a placement from the arm's base [m].
+        centring: Weight of the squared distance from the aim [1/m^2].
+        comfort: Weight of the squared distance from the comfortable posture [1/rad^2].
+        spread: Maximum distance of each joint's random start from the comfortable posture [rad].
     """
 
     restarts: int = 6
@@ -108,11 +108,11 @@ class OptimizationConfig:
 
     def __post_init__(self) -> None:
         for name in ("depth", "height", "reach"):
-            check_interval(f"samplers.optimisation.{name}", getattr(self, name), 0, 10)
-        check_vector("samplers.optimisation.grip-offset", self.grip_offset, 0, 1, count=2)
+            check_interval(f"samplers.optimization.{name}", getattr(self, name), 0, 10)
+        check_vector("samplers.optimization.grip-offset", self.grip_offset, 0, 1, count=2)
         check_fields(
             self,
-            "samplers.optimisation",
+            "samplers.optimization",
             restarts=(1, 1e6),
             max_width=(1e-3, MAX_OPENING),
             ground=(0, 1),
@@ -129,7 +129,7 @@ class OptimizationConfig:
 
     @property
     def tight(self) -> "OptimizationConfig":
-        """For grasps where there is hardly room for the fingers: in the middle, square, not deep."""
+        """Configuration for grasps with hardly any room for the fingers: centered, square to the box, and shallow."""
         offset, depth = (self.grip_offset[0], 1e-4), (self.depth[0], self.depth[0] + 0.004)
         return replace(self, grip_offset=offset, depth=depth, turn=1e-3, play=CLEARANCES[-1], clearance=0.0)
 
@@ -142,17 +142,17 @@ class OptimizationConfig:
 
 @dataclass(frozen=True)
 class PolicyConfig:
-    """How k is drawn from the learned policy.
+    """Constants of the sampler that draws k from the learned policy.
 
     Attributes:
-        checkpoints: folder of the trained policies, by default that of the package.
-        candidates: drawn for one attempt, which tries the best first until motion planning refuses none
-            (`skills.draws` says how many it tries at most); 1 is the paper's way, a plain draw.
-        haste: what it is worth, in probability of success, that the arm is there a second sooner [1/s]; with 0, Q
-            alone says which candidate is the best.
-        trust: how many of the policy's candidates are tried before as many random ones, the best of equally many, have
-            their turn, and so on.
-        belief: least Q of a random candidate that is tried.
+        checkpoints: Folder of the trained policies. The default is the package's own.
+        candidates: Number of candidates drawn at once. An attempt tries the best first until one has a motion, at most
+            `skills.draws` of them. 1 is a plain draw, as in the paper.
+        haste: Probability of success that one second less of travel time is worth [1/s]. With 0, Q alone ranks the
+            candidates.
+        trust: Maximum number of the policy's candidates tried before random ones have their turn. As many of the best
+            random candidates are tried before the policy draws again.
+        belief: Minimum Q of a random candidate that is tried.
     """
 
     checkpoints: Path | None = None
@@ -171,7 +171,7 @@ class PolicyConfig:
         """The sampler for one scene.
 
         Raises:
-            IctampError: a checkpoint is missing, damaged or of something else.
+            IctampError: A checkpoint is missing, damaged or of another kind.
         """
         from ictamp_drake.learning.models import load_skill
         from ictamp_drake.skills.policy import PolicySampler
@@ -181,7 +181,7 @@ class PolicyConfig:
         return PolicySampler(context.world, context.arm, models, self)
 
     def check(self) -> None:
-        """Raise what `create` would raise because of the checkpoints, without loading torch."""
+        """Check the checkpoints and raise the errors of `create`, without loading torch."""
         check_all(self.checkpoints or SHIPPED, "policy")
 
 
@@ -190,10 +190,11 @@ class PickConfig:
     """Constants of a pick.
 
     Attributes:
-        force: grip force of each finger [N].
-        clearances: room between box and fingers as the hand comes down [m]; the first that the neighbours leave.
-        margin: height of the finger tips above the box before they are lowered [m].
-        lift: rise of the hand with the box [m].
+        force: Grip force of each finger [N].
+        clearances: Distances between box and fingers as the hand comes down [m]. The first one that the neighbors leave
+            room for is used.
+        margin: Height of the finger tips above the box before they are lowered [m].
+        lift: Rise of the hand with the box [m].
     """
 
     force: float = 30.0
@@ -217,9 +218,10 @@ class PlaceConfig:
     """Constants of a placement.
 
     Attributes:
-        clearances: room between box and fingers as the hand leaves [m]; the first that the neighbours leave.
-        drop: height above its final place from which the box is lowered straight down [m].
-        margin: height of the finger tips above the box after the retreat [m].
+        clearances: Distances between box and fingers as the hand leaves [m]. The first one that the neighbors leave
+            room for is used.
+        drop: Height above its final place from which the box is lowered straight down [m].
+        margin: Height of the finger tips above the box after the retreat [m].
     """
 
     clearances: tuple[float, ...] = CLEARANCES
@@ -239,13 +241,13 @@ class PlaceConfig:
 
 @dataclass(frozen=True)
 class SkillsConfig:
-    """How a low-level step is made.
+    """Constants of a low-level step.
 
     Attributes:
-        draws: parameters drawn until one has a motion; 1 is the paper's way.
-        pick: constants of ψ_pick.
-        place: constants of ψ_place.
-        motion: constants of motion planning.
+        draws: Maximum number of parameters k drawn in one attempt until one has a motion. 1 is as in the paper.
+        pick: Constants of ψ_pick.
+        place: Constants of ψ_place.
+        motion: Constants of motion planning.
     """
 
     draws: int = 8

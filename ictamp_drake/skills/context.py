@@ -1,4 +1,4 @@
-"""What samplers and skills are made from."""
+"""Inputs from which samplers and skills are created."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SamplerContext:
-    """What a sampler is made from.
+    """Inputs from which a sampler is created.
 
     Attributes:
         world: The scene.
-        arm: Kinematics of its arm, which say what is within reach.
+        arm: Kinematics of its arm, which determine what is within reach.
     """
 
     world: "World"
@@ -32,11 +32,11 @@ class SamplerConfig(Config[SamplerContext, Sampler[Configuration]], Protocol):
 
 @dataclass(frozen=True)
 class SkillContext:
-    """What a skill is made from.
+    """Inputs from which a skill is created.
 
     Attributes:
         world: The scene.
-        planner: Plans motions in it; all skills of a scene share one.
+        planner: Motion planner of the scene, shared by all of its skills.
     """
 
     world: "World"

@@ -1,4 +1,4 @@
-"""Between k and the pose of the hand: where G is when an object is grasped or placed with a parameter."""
+"""Conversions between k and the pose of the hand that grasps or places an object with it."""
 
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
@@ -9,7 +9,7 @@ from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 R_DOWN = RotationMatrix.MakeXRotation(np.pi)
-"""The hand pointing down: G's x along the reference, y (the fingers' direction) against it, z down."""
+"""Orientation of a hand that points down: G's x along the reference, y (the fingers' direction) against it, z down."""
 
 
 def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidTransform:
@@ -19,7 +19,7 @@ def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidT
 
 def grasp_in_box(k: Parameter) -> RigidTransform:
     """X_UG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
-    return RigidTransform(RotationMatrix.MakeZRotation(k[3]) @ R_DOWN, k[:3])
+    return level_pose(k) @ RigidTransform(R_DOWN, np.zeros(3))
 
 
 def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> Parameter:
@@ -29,14 +29,14 @@ def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransfo
 
 
 def squared_grasp(k: Parameter) -> RigidTransform:
-    """X_GU after the fingers have closed with k: they centre the box between them and turn it square to them."""
+    """X_GU after the fingers have closed with k: they center the box between them and turn it square to them."""
     R_UG = RotationMatrix.MakeZRotation(round(k[3] / (np.pi / 2)) * np.pi / 2) @ R_DOWN
     p_GU = grasp_in_box(k).inverse().translation()
     return RigidTransform(R_UG.inverse(), [p_GU[0], 0.0, p_GU[2]])
 
 
 def held_bottom(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> RigidTransform:
-    """X_GB of the frame B in the bottom face's centre of the held box, parallel to its upright frame U."""
+    """X_GB of the held box's bottom frame B: centered in the bottom face, parallel to the box's upright frame U."""
     lying = world.upright_frame(c, box)
     return X_WG.inverse() @ lying.X_WU @ RigidTransform([0.0, 0.0, -lying.size[2] / 2])
 
@@ -44,13 +44,13 @@ def held_bottom(world: World, c: Configuration, box: str, X_WG: RigidTransform) 
 def placement_pose(
     world: World, c: Configuration, receptacle: str, X_GB: RigidTransform, k: Parameter
 ) -> RigidTransform:
-    """X_WG with which the held box's bottom frame B is at k = (x, y, z, yaw) in the receptacle's frame T."""
+    """X_WG at which the held box's bottom frame B is at k = (x, y, z, yaw) in the receptacle's frame T."""
     return world.X_WT(c, receptacle) @ level_pose(k) @ X_GB.inverse()
 
 
 def level_pose(k: Parameter) -> RigidTransform:
     """X_TB of the held box's bottom frame B placed with k = (x, y, z, yaw) in the receptacle's frame T."""
-    return RigidTransform(RotationMatrix.MakeZRotation(k[3]), k[:3])
+    return RigidTransform(level(k[None])[0])
 
 
 def placement_parameter(
@@ -76,18 +76,18 @@ def yaw_of(R: RotationMatrix) -> float:
 
 
 def grip_width(world: World, c: Configuration, box: str, yaw: float) -> float:
-    """Side of the box along the fingers' direction [m], of the side nearest to it when the grasp is askew."""
+    """Length of the box's side along the fingers' direction [m]; for a skewed grasp, of the side nearest to it."""
     size = world.upright_frame(c, box).size
     return float(size[1] if abs(np.cos(yaw)) >= abs(np.sin(yaw)) else size[0])
 
 
 def needed_opening(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> float:
-    """Distance of the fingers at which both just miss the box [m]; the hand at X_WG may be askew and off its middle."""
+    """Distance of the fingers at which both just miss the box [m]; the hand at X_WG may be skewed and off-center."""
     X_GO = X_WG.inverse() @ to_transform(c.poses[box])
     half = float(np.abs(X_GO.rotation().matrix()[1]) @ world.sizes[box]) / 2
     return 2 * (half + abs(float(X_GO.translation()[1])))
 
 
 def raise_pose(X_WG: RigidTransform, rise: float) -> RigidTransform:
-    """The same pose `rise` [m] higher."""
+    """X_WG moved up by `rise` [m]."""
     return RigidTransform(X_WG.rotation(), X_WG.translation() + [0.0, 0.0, rise])

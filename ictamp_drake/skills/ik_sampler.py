@@ -1,7 +1,8 @@
-"""k from a mathematical program over the arm's joints: reachable, clear of the neighbours, centred and stable.
+"""k from a mathematical program over the arm's joints: reachable, clear of the neighbors, centered and stable.
 
-k is a function of the joint positions q by forward kinematics, so the program's variables are q alone and all its
-constraints and costs on k are constraints and costs on the pose of G. Random modes, aims and starts make it a sampler.
+Forward kinematics make k a function of the joint positions q. The program's variables are therefore q alone, and all
+constraints and costs on k become constraints and costs on the pose of G. Modes, aims and starts are random, so repeated
+solutions are samples of k.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -22,7 +23,7 @@ from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 UPRIGHT_ANGLE = 1e-3
-"""Largest tilt of a box that is placed [rad]."""
+"""Maximum tilt of a placed box [rad]."""
 
 
 class OptimizationSampler:
@@ -35,7 +36,10 @@ class OptimizationSampler:
         self._solver = SnoptSolver()
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
-        """Any number of k, or why no program had a solution: the neighbours, or what holds without them, the arm."""
+        """Any number of k, then the failure once no program has a solution.
+
+        GOAL_IN_COLLISION when a program without the neighbors has one, else NO_INVERSE_KINEMATICS.
+        """
         around = self._neighbours(c, action)
         for config in (self._config, self._config.tight) if action.name == "pick" else (self._config,):
             while (k := self._draw(c, action, rng, around, config)) is not None:
@@ -44,7 +48,7 @@ class OptimizationSampler:
         yield Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
 
     def _neighbours(self, c: Configuration, action: Action) -> list[Neighbour]:
-        """What reaches as high as the fingers of a grasp, or as the place where the held box is put."""
+        """Things that reach as high as the fingers of a grasp, or as the place where the held box is put."""
         box, other = action.args
         if action.name == "place":
             return neighbours(self._world, c, {box, other}, self._world.X_WT(c, other).translation()[2])
@@ -69,7 +73,7 @@ class OptimizationSampler:
         return None if X_WG is None else placement_parameter(self._world, c, other, X_GB, X_WG)
 
     def _solve(self, pose: Callable[[], "_HandProgram | None"], rng: np.random.Generator) -> RigidTransform | None:
-        """X_WG of the first of several random programs that has a solution."""
+        """X_WG from the first random program that has a solution."""
         for _ in range(self._config.restarts):
             program = pose()
             q = None if program is None else program.solve(self._solver, rng)
@@ -85,7 +89,7 @@ class OptimizationSampler:
         rng: np.random.Generator,
         config: OptimizationConfig,
     ) -> "_HandProgram | None":
-        """Fingers along one of the box's faces, G near its middle, neither too high nor too deep."""
+        """Program with the fingers along a face of the box and G near its middle, neither too high nor too deep."""
         lying = self._world.upright_frame(c, box)
         quarters = [m for m in range(4) if lying.size[1 - m % 2] <= config.max_width]
         if not quarters:
@@ -118,7 +122,7 @@ class OptimizationSampler:
         around: Sequence[Neighbour],
         rng: np.random.Generator,
     ) -> "_HandProgram | None":
-        """Just above the top face: inside a support's face where there is room, in the middle of a box."""
+        """Program that puts the box just above the top face: where a support has room, or in the middle of a box."""
         box, receptacle = action.args
         config, X_WT = self._config, self._world.X_WT(c, receptacle)
         radius = float(np.linalg.norm(self._world.upright_frame(c, box).size[:2])) / 2
@@ -147,7 +151,7 @@ class OptimizationSampler:
         radius: float,
         rng: np.random.Generator,
     ) -> FloatArray | None:
-        """The roomiest of some random spots within the arm's reach, in T, shape (2,) [m]."""
+        """The roomiest of some random spots within the arm's reach, in T, shape (2,) [m], or None."""
         config = self._config
         spots = rng.uniform(-bound, bound, (4 * config.spots, 2))
         p_TB = (X_WT.inverse() @ to_transform(self._world.spec.arm.X_WB)).translation()
@@ -157,7 +161,7 @@ class OptimizationSampler:
 
 
 class _HandProgram:
-    """Inverse kinematics of G against a frame A, which the aims, bounds and directions of k are given in."""
+    """Inverse kinematics of G. The aims, bounds and directions of k are given in a frame A."""
 
     def __init__(self, arm: ArmKinematics, config: OptimizationConfig, X_WA: RigidTransform) -> None:
         self.X_WA = X_WA
@@ -170,7 +174,7 @@ class _HandProgram:
         context = arm.plant.CreateDefaultContext()
         self._target.SetPoseInParentFrame(context, X_WA)
         self._clear: Callable[[FloatArray], bool] = lambda _: True
-        self._context = context  # the program refers to it, but does not keep it alive
+        self._context = context  # the program refers to it but does not keep it alive
         self._ik = InverseKinematics(arm.plant, context, with_joint_limits=False)
         self._ik.prog().AddBoundingBoxConstraint(arm.lower, arm.upper, self._ik.q())
         self._ik.prog().AddQuadraticErrorCost(config.comfort * np.eye(7), self._comfort, self._ik.q())
@@ -181,18 +185,18 @@ class _HandProgram:
         self._ik.AddPositionCost(self._target, p_AQ, self._grasp, p_GQ, self._config.centring * np.eye(3))
 
     def align(self, R_AQ: RotationMatrix, R_GQ: RotationMatrix) -> None:
-        """Turn directions of the hand to those in A."""
+        """Align directions of the hand with directions in A."""
         self._ik.AddOrientationConstraint(self._target, R_AQ, self._grasp, R_GQ, self._config.turn)
 
     def keep_level(self, R_GQ: RotationMatrix) -> None:
-        """Turn the z axis of Q, fixed in the hand, to that of A, and leave yaw free."""
+        """Align the z axis of Q, fixed in the hand, with that of A, and leave yaw free."""
         up = R_GQ.matrix()[:, 2]
         self._ik.AddAngleBetweenVectorsConstraint(self._grasp, up, self._target, [0, 0, 1], 0.0, UPRIGHT_ANGLE)
 
     def keep_clear(
         self, points: Iterable[FloatArray], radius: float, around: Iterable[Neighbour], height: float
     ) -> None:
-        """Keep discs around points of the hand, at a height in W [m], out of the neighbours' largest circles."""
+        """Keep disks around points of the hand, at a height in W [m], out of the neighbors' largest inner circles."""
         for neighbour in around:
             distance = neighbour.radius + radius
             p_W = np.append(neighbour.X_WU.translation()[:2], height)
@@ -200,7 +204,7 @@ class _HandProgram:
                 self._ik.AddPointToPointDistanceConstraint(self._grasp, point, self._world, p_W, distance, np.inf)
 
     def demand_clear(self, points: FloatArray, radius: float, around: Collection[Neighbour]) -> None:
-        """Take no solution for one unless discs around points of the hand, shape (m, 3), are out of all outlines."""
+        """Reject solutions unless disks around points of the hand, shape (m, 3), are outside all outlines."""
 
         def clear(q: FloatArray) -> bool:
             p_W = self._arm.forward(q).multiply(points.T).T
@@ -209,7 +213,7 @@ class _HandProgram:
         self._clear = clear
 
     def solve(self, solver: SnoptSolver, rng: np.random.Generator) -> FloatArray | None:
-        """Joint positions, shape (7,) [rad], or None when there are none from a random start."""
+        """Joint positions from a random start, shape (7,) [rad], or None when none are found."""
         spread = self._config.spread
         start = np.clip(self._comfort + rng.uniform(-spread, spread, 7), self._arm.lower, self._arm.upper)
         result = solver.Solve(self._ik.prog(), start)

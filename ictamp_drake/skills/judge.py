@@ -1,4 +1,4 @@
-"""What became of an executed skill: success, or which failure."""
+"""Verdict on an executed skill: success or the cause of failure."""
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, State
@@ -6,7 +6,7 @@ from ictamp_drake.world.outcome import Outcome
 
 
 def judge(reached: State, promised: State, action: Action, outcome: Outcome) -> tuple[Failure | None, str]:
-    """None when the promised state was reached and is at rest, else the likeliest cause and the atoms that differ."""
+    """None when the promised state is reached and at rest, else the likeliest cause and the atoms that differ."""
     if outcome.stopped_after == "grasp":
         return Failure.NOT_GRASPED, f"the fingers closed without {action.args[0]} between them"
     if outcome.stopped_after is not None:

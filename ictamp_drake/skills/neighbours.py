@@ -1,4 +1,4 @@
-"""What stands around a place where something is to be grasped or put."""
+"""Things around a place where something is grasped or put."""
 
 from collections.abc import Collection
 from typing import NamedTuple
@@ -15,8 +15,8 @@ class Neighbour(NamedTuple):
     """Outline of a box or support, seen from above.
 
     Attributes:
-        X_WU: frame in its centre, z up.
-        half: half sides of the outline along U's x and y, shape (2,) [m].
+        X_WU: Frame in the center of the outline, z up.
+        half: Half sides of the outline along U's x and y, shape (2,) [m].
     """
 
     X_WU: RigidTransform
@@ -24,7 +24,7 @@ class Neighbour(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """Of the largest circle inside the outline [m]: a bound that no clearance can go below."""
+        """Radius of the largest circle inside the outline [m]: no point outside is nearer to the center."""
         return float(np.min(self.half))
 
     def distance(self, p_W: FloatArray) -> FloatArray:
@@ -34,7 +34,7 @@ class Neighbour(NamedTuple):
 
 
 def neighbours(world: World, c: Configuration, without: Collection[str], height: float) -> list[Neighbour]:
-    """All boxes and supports that reach above `height` [m], but for the named ones."""
+    """All boxes and supports that reach above `height` [m], except the ones named in `without`."""
     found = []
     for name in world.spec.boxes:
         lying = world.upright_frame(c, name)
@@ -50,14 +50,14 @@ def neighbours(world: World, c: Configuration, without: Collection[str], height:
 def free_spot(
     spots: FloatArray, X_WT: RigidTransform, around: Collection[Neighbour], needed: float, room: float
 ) -> FloatArray | None:
-    """The spot with most room among those that have as much as `needed` [m], or None.
+    """The spot with the most room among those with at least `needed` [m], or None.
 
     Args:
-        spots: in T, shape (m, 2) [m].
-        X_WT: of the top face.
-        around: what stands there.
-        needed: least distance to any outline [m].
-        room: distance from which on more room is worth nothing [m].
+        spots: Candidates in T, shape (m, 2) [m].
+        X_WT: Frame of the top face.
+        around: Outlines of the neighbors.
+        needed: Minimum distance to any outline [m].
+        room: Room beyond `needed` above which spots count as equal [m].
     """
     if not len(spots):
         return None

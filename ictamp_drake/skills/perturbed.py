@@ -1,4 +1,4 @@
-"""k of another sampler with noise: near misses, off-centre grasps, drops, crowded and overhanging placements."""
+"""k of another sampler with noise: near misses, off-center grasps, drops, crowded and overhanging placements."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ class PerturbedConfig:
     """Largest standard deviations of the noise on k = (x, y, z, yaw).
 
     Attributes:
-        grasp: of a pick [m, m, m, rad].
-        on_box: of a placement on a box.
-        on_support: of a placement on a support.
-        least: the smallest standard deviation as part of the largest; each number of k draws its own in between,
-            evenly in its logarithm.
-        any_yaw: probability that a placement has any yaw at all.
-        lowest: placements are not pressed deeper than this into the top face [m].
+        grasp: Deviations for a pick [m, m, m, rad].
+        on_box: Deviations for a placement on a box [m, m, m, rad].
+        on_support: Deviations for a placement on a support [m, m, m, rad].
+        least: Smallest standard deviation as a fraction of the largest. Each number of k draws its own deviation in
+            between, log-uniformly.
+        any_yaw: Probability that the yaw of a placement is uniformly random.
+        lowest: Lower bound of a placement's z, so that it is not pressed deeper into the top face [m].
     """
 
     grasp: tuple[float, float, float, float] = (0.05, 0.05, 0.03, 0.8)
@@ -42,7 +42,7 @@ class PerturbedSampler:
         self._config = config
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
-        """Any number of k, or why the other sampler found none."""
+        """Any number of k, or the failure of the other sampler."""
         for k in self._sampler.draws(c, action, rng):
             yield k if isinstance(k, Failure) else self._shift(k, action, rng)
 

@@ -17,7 +17,7 @@ from ictamp_drake.world.world import World
 
 
 class Pick:
-    """Grasps a box from above, wherever and however it lies."""
+    """Grasp a box from above, wherever and however it lies."""
 
     def __init__(self, world: World, planner: MotionPlanner, config: PickConfig) -> None:
         self._world = world
@@ -25,7 +25,7 @@ class Pick:
         self._config = config
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
-        """The motion that grasps with parameter k from c, or what is in its way."""
+        """The motion that grasps with parameter k from c, or the reason why there is none."""
         planner, box = self._planner, action.args[0]
         X_WG = grasp_pose(self._world, c, box, k)
         grasp = GripperCommand(grip_width(self._world, c, box, k[3]), self._config.force)
@@ -51,7 +51,7 @@ class Pick:
     def _way_up(
         self, c: Configuration, box: str, X_WG: RigidTransform, k: Parameter
     ) -> tuple[GripperCommand, Trajectory] | Refusal:
-        """The first opening for which the neighbours leave room, and the straight way up from the grasp with it."""
+        """The first opening that the neighbors leave room for, and the straight way up from the grasp with it."""
         planner, config = self._planner, self._config
         X_WG_above = raise_pose(X_WG, self._world.upright_frame(c, box).size[2] / 2 - k[2] + TIP + config.margin)
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
@@ -69,7 +69,7 @@ class Pick:
     def _approach(
         self, c: Configuration, opening: GripperCommand, q: FloatArray, rng: np.random.Generator
     ) -> Motion | Refusal:
-        """The way from c to q, shape (7,) [rad], on which the hand goes over to its opening; before it, if need be."""
+        """Motion from c to q, shape (7,) [rad]. The hand changes its opening on the way, or before it if it must."""
         planner = self._planner
         widest = imagine(c, q=c.commanded, width=max(opening.width, c.gripper.width), held=None)
         way = planner.transfer(widest, c.commanded, q, rng)
@@ -87,7 +87,7 @@ class Pick:
         return (approach,)
 
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
-        """The box in the lifted hand, in the middle of the fingers and square to them."""
+        """c with the box in the lifted hand, centered between the fingers and square to them."""
         box = action.args[0]
         lying = self._world.upright_frame(c, box)
         X_WG = self._planner.kinematics.forward(motion[-1].control_points[-1])

@@ -18,7 +18,7 @@ from ictamp_drake.world.world import World
 
 
 class Place:
-    """Puts the held box down on a support or on another box."""
+    """Put the held box down on a support or on another box."""
 
     def __init__(self, world: World, planner: MotionPlanner, config: PlaceConfig) -> None:
         self._world = world
@@ -26,7 +26,7 @@ class Place:
         self._config = config
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
-        """The motion that places with parameter k from c, or what is in its way."""
+        """The motion that places with parameter k from c, or the reason why there is none."""
         planner, (box, receptacle) = self._planner, action.args
         X_WG0 = planner.kinematics.forward(c.q[:7])
         X_GB = held_bottom(self._world, c, box, X_WG0)
@@ -59,7 +59,7 @@ class Place:
     def _way_up(
         self, placed: Configuration, fitting: Sequence[GripperCommand], X_WG: RigidTransform
     ) -> tuple[GripperCommand, Trajectory] | Refusal:
-        """The first opening for which the neighbours leave room, and the straight way with it to X_WG."""
+        """The first opening that the neighbors leave room for, and the straight way to X_WG with it."""
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in fitting:
             opened = imagine(placed, q=placed.q[:7], width=opening.width, held=None)
@@ -70,7 +70,7 @@ class Place:
         return refusal
 
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:
-        """The box level on the receptacle."""
+        """c with the box level on the receptacle and the hand retreated."""
         box, receptacle = action.args
         X_WO = to_transform(c.poses[box])
         lying = self._world.upright_frame(c, box)

@@ -1,6 +1,6 @@
-"""k from the learned policy: several candidates at once, of which the critics choose, and the way of the arm.
+"""k from the learned policy: several candidates at once, ranked by the critics and by the arm's travel time.
 
-What the policy has learned may not fit a scene, so candidates that are refused give way to random ones for a while.
+The learned policy may not fit a scene, so random candidates take turns with those of the policy.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from ictamp_drake.learning.models import SkillModel
 
 _OUT_OF_REACH = 60.0
-"""Time that a hand pose without a posture of the arm counts as [s]."""
+"""Travel time assumed for a hand pose that the arm cannot reach [s]."""
 
 
 class PolicySampler:
-    """Draws k from π(k | matrix) or at random; of several, those with a great Q(matrix, k) that are near come first."""
+    """Draws k from π(k | matrix) or at random. Those with a high Q(matrix, k) and near the arm come first."""
 
     def __init__(
         self, world: World, arm: ArmKinematics, models: Mapping[str, "SkillModel"], config: PolicyConfig
@@ -38,7 +38,7 @@ class PolicySampler:
         self._config = config
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
-        """Any number of k: the best of the policy's candidates, then the best of random ones, and so on."""
+        """Any number of k: the best of the policy's candidates, then the best random ones, in turns."""
         observation = self._observer.observe_all([(c, action)])
         uniform = self._uniform.draws(c, action, rng)
         while True:
@@ -50,13 +50,13 @@ class PolicySampler:
     def _best(
         self, c: Configuration, action: Action, observation: Observation, k: FloatArray, least: float = 0.0
     ) -> FloatArray:
-        """The best of some candidates with at least this Q, the best first, shape (n, 4) -> (at most trust, 4)."""
+        """Candidates with a Q of at least `least`, the best first, shape (n, 4) -> (at most `trust`, 4)."""
         (Q,) = self._models[action.name].Q(observation, k[None])
         k, Q = k[least <= Q], Q[least <= Q]
         cost = self._config.haste * self._times(c, action, k) if self._config.haste else 0.0
         return k[np.argsort(cost - Q, kind="stable")][: self._config.trust]
 
     def _times(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
-        """How long the arm needs at least to the hand's pose at each k, shape (n, 4) -> (n,) [s]."""
+        """Lower bound of the arm's travel time to the hand pose of each k, shape (n, 4) -> (n,) [s]."""
         X_WG = hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
         return np.minimum(self._arm.travel_times(X_WG, c.q[:7]), _OUT_OF_REACH)

@@ -1,4 +1,4 @@
-"""One low-level step: draw k, plan the motion, execute it in physics, and judge what became of it."""
+"""One low-level step: draw k, plan the motion, execute it in physics, and judge the outcome."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -18,15 +18,16 @@ from ictamp_drake.world.simulate import Physics
 
 @dataclass(frozen=True, eq=False)
 class Skills:
-    """All skills behind one door, the planner's `SkillRunner`.
+    """All skills of a scene, the planner's `SkillRunner`.
 
     Attributes:
-        draws: parameters drawn until one has a motion.
+        draws: Maximum number of parameters drawn in one attempt until one has a motion.
         abstraction: H.
-        physics: of the scene.
-        sampler: of k.
-        skills: by the name of their action.
-        promises: whether an attempt ends where its skill promises, not where physics ends. `execute` asks physics then.
+        physics: Simulation of the scene.
+        sampler: Source of k.
+        skills: Skills by the name of their action.
+        promises: Whether an attempt ends where its skill promises, instead of where physics ends. `execute` runs
+            physics later.
     """
 
     draws: int
@@ -47,11 +48,11 @@ class Skills:
         """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised` (paper, Problem Formulation).
 
         Args:
-            c: configuration to start from.
-            action: a.
-            promised: the state that a promises.
-            rng: of the sampler and of motion planning.
-            k: the only parameter to try; without it the sampler draws some.
+            c: Configuration to start from.
+            action: Action a.
+            promised: State that a promises.
+            rng: Random numbers of the sampler and of motion planning.
+            k: The only parameter to try. If None, the sampler draws parameters.
         """
         stopwatch = Stopwatch()
         drawing = self.sampler.draws(c, action, rng) if k is None else iter((k,))
@@ -68,7 +69,7 @@ class Skills:
         return self._judge_outcome(attempt, outcome, promised, stopwatch)
 
     def execute(self, c: Configuration, attempt: Attempt[Configuration], promised: State) -> Attempt[Configuration]:
-        """Run the motion of an attempt in physics from c; it was planned from what was promised in the place of c."""
+        """Run the motion of an attempt in physics from c. It was planned from a promised configuration."""
         return self._run_motion(c, attempt, promised, Stopwatch(seconds=attempt.seconds))
 
     def _run_motion(
@@ -106,7 +107,7 @@ class Skills:
         rng: np.random.Generator,
         stopwatch: Stopwatch,
     ) -> tuple[Parameter | None, Motion | Refusal, list[Refusal]]:
-        """Draw parameters until one has a motion; the last refusal stands for the attempt, the others before it."""
+        """Draw parameters until one has a motion. Return it, or else the last refusal, and the earlier refusals."""
         refusals: list[Refusal] = []
         k = None
         for _ in range(self.draws):
@@ -127,10 +128,10 @@ class Skills:
 
 
 def execute(physics: Physics, c: Configuration, action: Action, motion: Motion) -> Outcome:
-    """f of one low-level step: run its motion from c, to the end or until the box is not between the fingers.
+    """f of one low-level step: run its motion from c until it ends or the box is no longer between the fingers.
 
     Raises:
-        RuntimeError: when the contact solver diverges, which it does in a few jammed situations.
+        RuntimeError: The contact solver diverges, which it does in a few jammed situations.
     """
     return physics.run(c, motion, watch=_Grip(action.args[0]))
 

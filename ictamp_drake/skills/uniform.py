@@ -1,4 +1,4 @@
-"""k drawn uniformly from its range, the least that a sampler can know."""
+"""k drawn uniformly from its range, without any knowledge of the scene's other objects."""
 
 from collections.abc import Iterator
 
@@ -10,14 +10,14 @@ from ictamp_drake.world.world import World
 
 
 class UniformSampler:
-    """Pick: anywhere in the box. Place: anywhere on the top face, a little above it. Both with any yaw of the range."""
+    """Pick: anywhere in the box. Place: anywhere on the top face or a little above it. Both: any yaw of the range."""
 
     def __init__(self, world: World, config: UniformConfig) -> None:
         self._world = world
         self._config = config
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
-        """Any number of k; there always is one, but it seldom fits."""
+        """Any number of k, most of which do not fit."""
         if action.name == "pick":
             half = self._world.upright_frame(c, action.args[0]).size / 2
             low, high = -half, half

@@ -1,4 +1,4 @@
-"""What a generator of high-level plans is made from."""
+"""Inputs from which a generator of high-level plans is created."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -10,12 +10,12 @@ from ictamp_drake.symbolic.domain import Domain
 
 @dataclass(frozen=True)
 class GeneratorContext:
-    """What a plan generator is made from.
+    """Inputs from which a plan generator is created.
 
     Attributes:
         domain: Ground actions of the scene.
-        initial: H(c_0), the state that plans begin in.
-        goal: Atoms that hold where they end.
+        initial: H(c_0), the state in which plans begin.
+        goal: Atoms that hold in the state in which plans end.
     """
 
     domain: Domain

@@ -55,7 +55,7 @@ def read(text: str) -> Group:
                 problem = f"expected brackets nested at most {MAX_DEPTH} deep"
                 raise IctampError(Code.TOO_DEEP, problem, line=line)
         elif not unclosed:
-            raise _unexpected(token, "(", line)
+            raise _unexpected(token, "'('", line)
         elif token != ")":
             unclosed[-1][1].append(token)
         else:
@@ -66,7 +66,7 @@ def read(text: str) -> Group:
             else:
                 whole = group
     if whole is None:
-        missing = f") for the ( of line {unclosed[-1][0]}" if unclosed else "("
+        missing = f"')' for the '(' of line {unclosed[-1][0]}" if unclosed else "'('"
         raise IctampError(Code.NOT_PDDL, f"expected {missing}, got the end of the text", line=line)
     return whole
 

@@ -19,8 +19,8 @@ def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str]) -> froz
             together.
     """
     goal = frozenset(_atom(literal, boxes, supports) for literal in _literals(text))
-    for contradiction in _contradictions(goal, boxes):
-        raise IctampError(Code.IMPOSSIBLE_GOAL, contradiction, field=_FIELD, value=text)
+    for atoms, contradiction in _contradictions(goal, boxes):
+        raise IctampError(Code.IMPOSSIBLE_GOAL, contradiction, field=_FIELD, value=atoms)
     return goal
 
 
@@ -78,17 +78,18 @@ def _not_a_goal(problem: str, found: str) -> IctampError:
     return IctampError(Code.NOT_PDDL, problem, field=_FIELD, value=found, advice=_FORM)
 
 
-def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[str]:
+def _contradictions(goal: frozenset[Atom], boxes: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Atoms, or boxes, that cannot hold or be there together, and why."""
     for atom in sorted(goal):
         if atom.args[0] == atom.args[1]:
-            yield f"{_pddl(atom)} puts {atom.args[0]} on itself"
+            yield _pddl(atom), f"{{value}} puts {atom.args[0]} on itself"
     for box, atoms in _group_shared(goal, 0):
-        yield f"{_text(atoms)} puts {box} in more than one place"
+        yield _text(atoms), f"{{value}} puts {box} in more than one place"
     for below, atoms in _group_shared(goal, 1):
         if below in boxes:
-            yield f"{_text(atoms)} puts more than one box on the box {below}"
+            yield _text(atoms), f"{{value}} puts more than one box on {below}"
     for circle in _circles({atom.args[0]: atom.args[1] for atom in goal}):
-        yield f"the boxes {', '.join(circle)} stand on each other in a circle"
+        yield ", ".join(circle), "the boxes {value} stand on each other in a circle"
 
 
 def _group_shared(goal: frozenset[Atom], position: int) -> Iterator[tuple[str, list[Atom]]]:

@@ -3,13 +3,16 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import PlanningResult, StopReason
+from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, Refusal
 
-SHOWN = 4
-"""Maximum number of blocked actions, and of obstacles of each, that the text names."""
+if TYPE_CHECKING:
+    from ictamp_drake.core.types import Configuration
+    from ictamp_drake.scenes.spec import SceneSpec
 
 _PARAMETERS = {"pick": "grasps", "place": "placements"}
 _SLOW_GENERATOR = 0.25
@@ -32,14 +35,25 @@ class Blocked:
 
     @property
     def advice(self) -> str:
-        """Advice against the most frequent cause."""
-        return max(self.refusals, key=lambda cause: self.refusals[cause]).advice
+        """What would help against the most frequent cause; empty if nothing was refused."""
+        worst = max(self.refusals, key=lambda cause: self.refusals[cause], default=None)
+        return "" if worst is None else worst.advice
 
-    def __str__(self) -> str:
-        """Return e.g. "pick(red_box, rack): 30 of 30 grasps: no collision-free path; in the way: blue_box (30)"."""
+    @property
+    def args(self) -> tuple[str, ...]:
+        """What the action is about, the object that it moves first."""
+        return tuple(self.action.rstrip(")").partition("(")[2].split(", "))
+
+    @property
+    def refused(self) -> str:
+        """E.g. "30 of 30 grasps refused: grasp or placement in collision"."""
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameters k")
-        line = f"{self.action}: {total} of {total} {what}: {list_causes(self.refusals)}"
+        return f"{total} of {total} {what} refused: {list_causes(self.refusals)}"
+
+    def __str__(self) -> str:
+        """E.g. "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
+        line = f"{self.action}: {self.refused}"
         worst = ", ".join(f"{name} ({count})" for name, count in Counter(self.obstacles).most_common(SHOWN))
         return f"{line}; in the way: {worst}" if worst else line
 
@@ -51,13 +65,14 @@ class Explanation:
     Attributes:
         stop_reason: Name of a `StopReason`.
         blocked: Actions that never succeeded, the most often tried first.
-        failures: Number of failed low-level steps by cause.
-        steps: Number of low-level steps.
-        plans: Number of high-level plans that were found.
-        verified: Result of the last verification; False when a plan reached the goal in the search but failed when it
-            was executed again; None when nothing was verified.
-        planning_time_s: Planning time [s].
-        generating_time_s: Part of the planning time that was spent on finding high-level plans [s].
+        failures: Failed low-level steps by cause.
+        steps: Low-level steps.
+        plans: High-level plans that were found.
+        verified: False when a plan was carried out to the goal, but failed when it was executed once more.
+        planning_time_s: Time of the search [s].
+        generating_time_s: Part of it in which high-level plans were sought [s].
+        scene: The scene; None when it is not at hand, as in records.
+        start: c_0, where the search began; None when it is not at hand.
     """
 
     stop_reason: str
@@ -68,10 +83,12 @@ class Explanation:
     verified: bool | None = None
     planning_time_s: float = 0.0
     generating_time_s: float = 0.0
+    scene: "SceneSpec | None" = field(default=None, compare=False, repr=False)
+    start: "Configuration | None" = field(default=None, compare=False, repr=False)
 
     @classmethod
-    def of(cls, result: PlanningResult[Any], planning_time_s: float) -> "Explanation":
-        """Return the explanation of a search that took `planning_time_s` [s]."""
+    def of(cls, result: PlanningResult[Any], planning_time_s: float, scene: "SceneSpec | None" = None) -> "Explanation":
+        """The explanation of a search in a scene that took so long [s]."""
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
@@ -83,6 +100,8 @@ class Explanation:
             verified=result.verified,
             planning_time_s=planning_time_s,
             generating_time_s=result.seconds_by_stage.get("plan_generator", 0.0),
+            scene=scene,
+            start=result.tree.root.c,
         )
 
     @property
@@ -91,24 +110,70 @@ class Explanation:
         members = StopReason.__members__
         return str(members[self.stop_reason]) if self.stop_reason in members else self.stop_reason
 
+    @property
+    def is_generator_slow(self) -> bool:
+        """True when much of the time went to finding high-level plans."""
+        return self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s
+
+    @property
+    def solved(self) -> bool:
+        """True when there is nothing to explain."""
+        return self.stop_reason == StopReason.SOLVED.name
+
     def lines(self) -> Iterator[str]:
-        """Yield the obstacles to a plan, one sentence each, with advice."""
-        if self.verified is False:
-            yield "a plan was carried out to the goal, but failed when it was executed once more"
+        """What stood in the way, a sentence each, and what would help."""
+        remarks = list(self.remarks())
+        first = self.verified is False
+        yield from remarks[:first]
         for blocked in self.blocked[:SHOWN]:
-            yield f"{blocked}; {blocked.advice}"
-        if self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s:
+            yield "; ".join(filter(None, [str(blocked), blocked.advice]))
+        yield from remarks[first:]
+
+    def remarks(self) -> Iterator[str]:
+        """What there is to say besides the blocked actions, a sentence each."""
+        if self.verified is False:
+            yield "a plan reached the goal, but failed when it was executed again"
+        if self.is_generator_slow:
             took = f"{self.generating_time_s:.0f} of {self.planning_time_s:.0f} s went to finding high-level plans"
             yield f"{took}; --generator best-first finds the first one sooner"
         if not self.plans:
             yield "no high-level plan was found"
         elif not self.blocked:
-            failed = f"of {self.steps} steps {sum(self.failures.values())} failed"
+            failed = f"{sum(self.failures.values())} of {self.steps} steps failed"
             causes = f": {list_causes(self.failures)}" if self.failures else ""
             yield f"every action that was tried succeeded at least once; {failed}{causes}"
 
+    @property
+    def reasons(self) -> Reasons:
+        """The same as it is drawn; nothing of a solved problem."""
+        if self.solved:
+            return NO_REASONS
+        refusals = (
+            Refusal(
+                action=blocked.action,
+                args=blocked.args,
+                refused=blocked.refused,
+                obstacles=dict(Counter(blocked.obstacles).most_common()),
+                advice=blocked.advice,
+            )
+            for blocked in self.blocked
+        )
+        return Reasons(self.reason, tuple(refusals), tuple(self.remarks()))
+
+    def draw(self, path: Path | str) -> None:
+        """Write a picture of the scene at its start, with what was refused and what stood in its way (PNG).
+
+        Raises:
+            ValueError: The explanation knows no scene, since it was read from a record.
+        """
+        from ictamp_drake.viz.picture import scene_png  # noqa: PLC0415  (what draws takes long to load)
+
+        if self.scene is None or self.start is None:
+            raise ValueError("this explanation knows no scene")
+        scene_png(self.scene, self.start, Path(path), reasons=self.reasons)
+
     def __str__(self) -> str:
-        if self.stop_reason == StopReason.SOLVED.name:
+        if self.solved:
             return self.reason
         return "\n".join([self.reason, *(f"  {line}" for line in self.lines())])
 

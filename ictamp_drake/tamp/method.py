@@ -12,6 +12,7 @@ import tyro
 
 from ictamp_drake.core.checks import check_choice, check_range
 from ictamp_drake.core.protocols import Config, Learned, NeedsEstimator
+from ictamp_drake.core.spelling import respell
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
@@ -45,12 +46,12 @@ class Samplers:
     """Sources of the skill parameter k."""
 
     policy: PolicyConfig = PolicyConfig()
-    optimisation: OptimizationConfig = OptimizationConfig()
+    optimization: OptimizationConfig = OptimizationConfig()
     uniform: UniformConfig = UniformConfig()
 
     def by_name(self) -> dict[str, SamplerConfig]:
         """Each by the name that chooses it."""
-        return {"policy": self.policy, "optimisation": self.optimisation, "uniform": self.uniform}
+        return {"policy": self.policy, "optimization": self.optimization, "uniform": self.uniform}
 
 
 @dataclass(frozen=True)
@@ -190,7 +191,8 @@ class Method:
         check_choice("physics", self.execution, get_args(Execution))
         for option in GROUPS:
             if isinstance(name := getattr(self, option), str):
-                object.__setattr__(self, option, name if ":" in name or "(" in name else name.replace("_", "-"))
+                is_text = ":" in name or "(" in name
+                object.__setattr__(self, option, name if is_text else respell(name.replace("_", "-")))
         self.check_parts()
 
     def with_options(self, **options: Any) -> "Method":

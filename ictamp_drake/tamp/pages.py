@@ -44,6 +44,7 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
     """Return the function that writes each file, by the file's name."""
     task, result = solution.task, solution.result
     tree = result.tree.to_dict(_configuration_to_dict)
+    reasons = solution.explain().reasons
 
     @cache
     def stage() -> Stage:
@@ -51,7 +52,7 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
 
     def write_search(path: Path) -> None:
         recordings = recorded_steps(task.physics, result.tree)
-        search_html(task.spec, result.tree, recordings, path, title, stage=stage())
+        search_html(task.spec, result.tree, recordings, path, title, stage=stage(), reasons=reasons)
 
     def write_animation(path: Path) -> None:
         if solution.plan:
@@ -61,7 +62,7 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
         "tree.json": lambda path: write_whole(path, json.dumps(tree)),
         "tree.svg": lambda path: draw_tree(tree, path, title),
         "growth.svg": lambda path: draw_growth(tree, path),
-        "scene.png": lambda path: scene_png(task.spec, task.c, path, stage()),
+        "scene.png": lambda path: scene_png(task.spec, task.c, path, stage(), reasons),
         "search.html": write_search,
         "replay.html": write_animation,  # last, since its animation stays on the stage
     }

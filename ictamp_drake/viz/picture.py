@@ -1,37 +1,75 @@
 """scene.png: a picture of a configuration, drawn without a graphics card."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Mesh, QueryObject, Role, Shape, Sphere
 
 from ictamp_drake.core.files import whole
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.viz.raster import Camera, render
+from ictamp_drake.viz.marks import add_caption, mark
+from ictamp_drake.viz.raster import Camera, render, silhouette
+from ictamp_drake.viz.reasons import NO_REASONS, Reasons
 from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, Stage, viewpoint
 from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
 
 WIDTH, HEIGHT = 800, 600
 
 
-def scene_png(spec: SceneSpec, c: Configuration, path: Path, stage: Stage | None = None) -> None:
-    """Write a picture of c, of the bodies of the stage if there is one; it appears whole or not at all."""
+def scene_png(
+    spec: SceneSpec, c: Configuration, path: Path, stage: Stage | None = None, reasons: Reasons = NO_REASONS
+) -> None:
+    """Write a picture of c; it appears whole or not at all.
+
+    Args:
+        spec: the scene.
+        c: what is shown.
+        path: of the picture.
+        stage: whose bodies are drawn, if there is one.
+        reasons: why there is no plan; what was refused and what stood in the way is marked, and told below the picture.
+    """
+    stage = stage or Stage(spec)
+    image = Image.fromarray(picture(spec, c, stage))
+    if reasons.ended:
+        image = mark(image, _silhouettes(spec, c, stage, reasons.colors), reasons.colors)
+        image = add_caption(image, reasons)
     with whole(path) as temporary:
-        Image.fromarray(picture(spec, c, stage)).save(temporary, format="png")
+        image.save(temporary, format="png")
 
 
 def picture(spec: SceneSpec, c: Configuration, stage: Stage | None = None) -> np.ndarray:
     """The scene as it looks in c, shape (HEIGHT, WIDTH, 3), 0 to 255."""
-    stage = stage or Stage(spec)
+    query = (stage or Stage(spec)).shapes(c)
+    parts = [_part(query, geometry) for geometry in _visible(query)]
+    triangles, colors = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return render(triangles, colors, _camera(spec), np.array(BACKGROUND))
+
+
+def _silhouettes(spec: SceneSpec, c: Configuration, stage: Stage, names: Iterable[str]) -> dict[str, NDArray[np.bool_]]:
+    """Where each of these boxes and supports is in the picture, as if nothing else were there."""
     query = stage.shapes(c)
+    parts: dict[str, list[FloatArray]] = {name: [] for name in names}
+    for geometry in _visible(query):
+        inspector = query.inspector()
+        model = inspector.GetName(inspector.GetFrameId(geometry)).partition("::")[0]
+        if model in parts:
+            parts[model].append(_part(query, geometry)[0])
+    camera = _camera(spec)
+    return {name: silhouette(np.concatenate(shapes), camera) for name, shapes in parts.items() if shapes}
+
+
+def _visible(query: QueryObject) -> list[GeometryId]:
     inspector = query.inspector()
     visible = inspector.GetGeometryIds(GeometrySet(inspector.GetAllGeometryIds()), Role.kIllustration)
-    parts = [_part(query, geometry) for geometry in sorted(visible, key=GeometryId.get_value)]
-    camera = Camera(*viewpoint(spec), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT)
-    triangles, colors = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    return render(triangles, colors, camera, np.array(BACKGROUND))
+    return sorted(visible, key=GeometryId.get_value)
+
+
+def _camera(spec: SceneSpec) -> Camera:
+    return Camera(*viewpoint(spec), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT)
 
 
 def _part(query: QueryObject, geometry: GeometryId) -> tuple[FloatArray, FloatArray]:

@@ -67,6 +67,13 @@ def render(triangles: FloatArray, colors: FloatArray, camera: Camera, background
     return np.round(255 * np.clip(sum(samples) / len(samples), 0, 1)).astype(np.uint8)
 
 
+def silhouette(triangles: FloatArray, camera: Camera) -> NDArray[np.bool_]:
+    """Where triangles would be seen if nothing else were there, shape (height, width); see `render`."""
+    covered = _front(camera.project(triangles), camera.shape) >= 0
+    height, width = camera.shape
+    return np.any(covered.reshape(height // _SAMPLES, _SAMPLES, width // _SAMPLES, _SAMPLES), axis=(1, 3))
+
+
 def _brightness(normals: FloatArray) -> FloatArray:
     return _AMBIENT + sum(strength * np.maximum(normals @ light, 0) for light, strength in _LIGHTS)
 

@@ -5,6 +5,7 @@ and moves the bodies by the tracks of the steps that lead to the node at hand.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.drawing import to_hex
 from ictamp_drake.viz.layout import CAUSE_COLORS, Layout, Record
 from ictamp_drake.viz.page import add_to_body, resource, to_script
+from ictamp_drake.viz.reasons import NO_REASONS, Reasons
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tracks import Track, tracks
 from ictamp_drake.world.outcome import Frame
@@ -25,7 +27,7 @@ from ictamp_drake.world.outcome import Frame
 TIME_UNIT, POSE_UNIT = 1e-3, 1e-4
 """Tracks are whole numbers of these: time [s]; position [m] and components of the unit quaternion."""
 
-SCRIPTS = ("log", "tree", "facts", "player", "controls")
+SCRIPTS = ("log", "tree", "facts", "player", "why", "controls")
 """Parts of the page's JavaScript, in their order."""
 
 
@@ -37,17 +39,19 @@ def search_html(
     title: str = "",
     *,
     stage: Stage | None = None,
+    reasons: Reasons = NO_REASONS,
 ) -> None:
     """Write the page; it appears whole or not at all.
 
     Args:
-        spec: Scene of the search.
-        tree: Tree of the search.
-        recordings: Recordings of executed steps by their index in the tree's log; for a successful step without one,
-            the page shows the step's end.
-        path: File of the page.
-        title: Name of the search.
-        stage: Stage of the scene, which must hold no animation; by default a new one.
+        spec: the scene.
+        tree: what the search left.
+        recordings: of executed steps, by their place in the tree's log; a successful step without one is shown by
+            where it ended.
+        path: of the page.
+        title: name of the search.
+        stage: of the scene, if there is one, which holds no animation.
+        reasons: why there is no plan, where there is none.
     """
     stage = stage or Stage(spec, start_meshcat())
     stage.show(tree.root.c)
@@ -59,14 +63,21 @@ def search_html(
         "attempts": {n: _attempt(step.attempt) for n, step in enumerate(tree.log) if isinstance(step, Step)},
         "scene": {
             "bodies": list(stage.poses(tree.root.c)),
+            "boxes": list(spec.boxes),
             "units": [TIME_UNIT, POSE_UNIT],
             "root": _motion(stage, [Frame(0.0, tree.root.c)]),
             "motions": _motions(stage, tree, recordings),
         },
+        "reasons": _reasons(reasons),
     }
     scripts = "\n".join(resource(f"search/{name}.js") for name in SCRIPTS)
     script = f"<script>const record = {to_script(data)};\n{scripts}</script>"
     write_whole(path, add_to_body(stage.meshcat.StaticHtml(), resource("search/page.html") + script))
+
+
+def _reasons(reasons: Reasons) -> Record:
+    refusals = [{**asdict(refusal), "colors": refusal.colors} for refusal in reasons.refusals]
+    return {"ended": reasons.ended, "refusals": refusals, "remarks": reasons.remarks}
 
 
 def _layout(layout: Layout) -> Record:

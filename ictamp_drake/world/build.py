@@ -85,7 +85,7 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) 
         plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
     boxes = {}
     for name, box in sorted(spec.boxes.items()):
-        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.colour), visible)
+        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), visible)
         plant.SetDefaultFloatingBaseBodyPose(boxes[name], to_transform(box.X_WO))
     fingers = (plant.GetBodyByName("panda_leftfinger", arm), plant.GetBodyByName("panda_rightfinger", arm))
     return SceneBodies(arm, plant.GetBodyByName("panda_hand", arm), fingers, boxes, supports)

@@ -1,4 +1,8 @@
-"""Batched poses as homogeneous matrices: the arithmetic of the primitive state matrix, without Drake."""
+"""Batched poses as homogeneous matrices, without Drake: frames of boxes, and the meaning of k.
+
+`grasps` and `level` state what k means. `skills.geometry` builds the same in Drake's types on them.
+`learning.parameters` and `learning.dynamics` have it in torch, and tests compare them.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +32,10 @@ def inverse(X: FloatArray) -> FloatArray:
 
 
 def level(parameter: FloatArray) -> FloatArray:
-    """Homogeneous matrices of frames turned about z alone, (x, y, z, yaw) of shape (n, 4) [m, rad] -> (n, 4, 4)."""
+    """Homogeneous matrices of frames turned about z alone, (x, y, z, yaw) of shape (n, 4) [m, rad] -> (n, 4, 4).
+
+    Of the k of placements they are X_TB: the held box's bottom frame B in the receptacle's frame T.
+    """
     X = np.zeros((len(parameter), 4, 4))
     c, s = np.cos(parameter[:, 3]), np.sin(parameter[:, 3])
     X[:, 0, 0], X[:, 0, 1], X[:, 1, 0], X[:, 1, 1] = c, -s, s, c
@@ -43,10 +50,13 @@ def grasps(k: FloatArray) -> FloatArray:
 
 
 def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """`frames.upright_frame` for many boxes at once: X_WU, side lengths along U's axes, and whether each is upright.
+    """Compute X_WU, side lengths along U's axes, and whether each box is upright.
+
+    U's origin is the box's center, its z is the axis of O nearest to W's z, pointing up, and its x is the axis of O
+    that follows.
 
     Args:
-        X_WO: Poses of the m boxes in n states, shape (n, m, 4, 4).
+        X_WO: Poses of the m boxes in n states, shape (n, m, 4, 4), or in one, shape (m, 4, 4).
         sizes: Side lengths of the m boxes along O's axes, shape (m, 3) [m].
     """
     axis = np.argmax(np.abs(X_WO[..., 2, :3]), axis=-1)

@@ -34,7 +34,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
     reached = abstraction(outcome.c)
     moved = sorted({atom.args[0] for atom in reached ^ state if atom.args})
     if moved or not outcome.settled:
-        what = f"{', '.join(moved)} move when gravity acts" if moved else "the boxes do not come to rest"
+        what = f"gravity moves {', '.join(moved)}" if moved else "the boxes do not come to rest"
         field = f"boxes.{moved[0]}" if len(moved) == 1 else "boxes"
         raise IctampError(Code.NOT_AT_REST, f"expected a scene at rest, but {what}", field=field, value=moved)
     if held and outcome.c.held != held:
@@ -58,7 +58,7 @@ def _check_overlaps(world: World, c: Configuration) -> None:
         if touch.distance < -MAX_OVERLAP and not {touch.a, touch.b} <= supports:
             problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
             bodies = sorted((touch.a, touch.b))
-            raise IctampError(Code.OVERLAP, problem, value=bodies, advice="move one of them")
+            raise IctampError(Code.OVERLAP, problem, field="boxes", value=bodies, advice="move one of them")
 
 
 def _check_carried(world: World, state: State) -> None:
@@ -67,7 +67,7 @@ def _check_carried(world: World, state: State) -> None:
         position = list(world.spec.boxes[name].position)
         raise IctampError(
             Code.NOT_CARRIED,
-            "expected a box that lies flat on something, its center above the other's top, got {value}",
+            "expected a place flat on top of something, got {value}",
             field=f"boxes.{name}.position",
             value=position,
             choices=sorted({*world.spec.supports, *world.spec.boxes} - {name}),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.collection.walk import Sources, WalkConfig, walk
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.learning.dataset import AttemptRow
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.symbolic.domain import Domain
@@ -16,6 +16,7 @@ from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import write_untrained
+from tests.refusals import refusal
 
 SHORT = WalkConfig(states=5, draws=2)
 SCENE = 0
@@ -70,12 +71,12 @@ def test_an_attempt_can_be_left_out(rows: list[AttemptRow]) -> None:
 
 def test_all_sources_of_k_take_part() -> None:
     found = walk(3, 0, replace(SHORT, states=4, draws=6, sources=Sources(4, 3, 3)))
-    assert {row.sampler for row in found} == {"optimisation", "perturbed", "uniform"}
+    assert {row.sampler for row in found} == {"optimization", "perturbed", "uniform"}
 
 
 def test_one_source_alone_can_be_chosen() -> None:
     found = walk(3, 0, replace(SHORT, states=1, draws=3, sources=Sources(1, 0, 0)))
-    assert {row.sampler for row in found} == {"optimisation"}
+    assert {row.sampler for row in found} == {"optimization"}
     assert all(np.isfinite(row.attempt.k).all() for row in found if row.attempt.k is not None)
 
 
@@ -84,22 +85,22 @@ def test_trained_policies_are_compared_with_other_sources_attempt_by_attempt(tmp
     sources = Sources(1, 0, 0, policy=1, best=1, product=1, reference=1)
     config = replace(SHORT, states=2, draws=2, sources=sources, compare=True, checkpoints=folder, reference=folder)
     found = walk(3, 0, config)
-    assert [row.sampler for row in found] == 4 * ["optimisation", "policy", "best", "product", "reference"]
+    assert [row.sampler for row in found] == 4 * ["optimization", "policy", "best", "product", "reference"]
     assert all(len({(row.c, row.attempt.action) for row in found[start : start + 10]}) == 1 for start in (0, 10))
     product = [row.attempt for row in found if row.sampler == "product"]
     assert all(attempt.motion or len(attempt.rejections) == 15 for attempt in product)
 
 
 @pytest.mark.parametrize(
-    ("make", "sentence"),
+    ("make", "code", "field"),
     [
-        (lambda: Sources(policy=-1), "walk.sources.policy is -1, but must be between 0 and"),
-        (lambda: Sources(0, 0, 0), "the sum of walk.sources is 0, but must be between"),
-        (lambda: WalkConfig(draws=0), "walk.draws is 0, but must be between 1 and"),
-        (lambda: WalkConfig(sources=Sources(reference=1)), "walk.reference names no folder of checkpoints"),
-        (lambda: WalkConfig(sources=Sources(best=1), checkpoints=Path("/nowhere")).check(), "no such checkpoint"),
+        (lambda: Sources(policy=-1), Code.OUT_OF_RANGE, "walk.sources.policy"),
+        (lambda: Sources(0, 0, 0), Code.OUT_OF_RANGE, "walk.sources"),
+        (lambda: WalkConfig(draws=0), Code.OUT_OF_RANGE, "walk.draws"),
+        (lambda: WalkConfig(sources=Sources(reference=1)), Code.CONFLICT, "walk.reference"),
+        (lambda: WalkConfig(sources=Sources(best=1), checkpoints=Path("/nowhere")).check(), Code.NOT_FOUND, ""),
     ],
 )
-def test_mistakes_are_answered_with_a_sentence(make: Callable[[], object], sentence: str) -> None:
-    with pytest.raises(IctampError, match=sentence):
+def test_mistakes_are_refused(make: Callable[[], object], code: Code, field: str) -> None:
+    with refusal(code, field):
         make()

@@ -14,14 +14,15 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.protocols import Estimator
+from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import Action, Attempt, Obstruction, Skeleton
-from ictamp_drake.estimators.constant import ConstantConfig
+from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.adaptive import Adaptive, AdaptiveConfig
 from ictamp_drake.planning.beliefs import Beliefs
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Opening, RunStep, Step, Tree
+from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.planning.test_adaptive import LOT, TINY, Parked, ParkingLot
 from tests.planning.test_golden_trees import CASES, GOLDEN
@@ -279,9 +280,9 @@ class Checked:
         self.config = config
         self.chosen: list[Option] = []
 
-    def create(self, estimator: Estimator[Any]) -> "Checked":
-        self.beliefs = HeardBeliefs(self.config.beliefs, estimator)
-        self.rule, self.equations = Adaptive(self.config, self.beliefs), Equations(self.config, estimator)
+    def create(self, context: RuleContext[Any], /) -> "Checked":
+        self.beliefs = HeardBeliefs(self.config.beliefs, context.estimator)
+        self.rule, self.equations = Adaptive(self.config, self.beliefs), Equations(self.config, context.estimator)
         return self
 
     def choose(self, tree: Tree[Any], rng: np.random.Generator) -> Option:
@@ -352,9 +353,9 @@ def test_they_choose_every_step_where_boxes_are_in_the_way(lot: ParkingLot, pati
     PlannerConfig(Budget(60.0, 60), rule=checked).create(
         c=Parked(lot.problem.initial),
         s=lot.problem.initial,
-        generator=BreadthFirst().create(lot.problem.domain, lot.problem.initial, lot.problem.goal),
+        generator=BreadthFirst().create(GeneratorContext(lot.problem.domain, lot.problem.initial, lot.problem.goal)),
         skills=lot,
-        estimator=ConstantConfig().create(),
+        estimator=Constant(1.0),
         verify=lambda _: True,
         rng=np.random.default_rng(0),
         clock=TickingClock(),

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import FloatArray, Skeleton
 from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
+from tests.refusals import refusal
 from tests.toy_world import ToyGenerator, ToyWorld, abstraction, toy_planner
 
 
@@ -38,5 +39,5 @@ def test_it_takes_part_in_a_search() -> None:
 
 
 def test_no_executions_are_refused() -> None:
-    with pytest.raises(IctampError, match=r"estimators.monte-carlo.executions is 0, but must be between 1 and"):
+    with refusal(Code.OUT_OF_RANGE, "estimators.monte-carlo.executions", value=0):
         MonteCarloConfig(executions=0)

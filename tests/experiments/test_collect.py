@@ -95,17 +95,17 @@ def test_what_is_done_is_not_done_again(collected: Path) -> None:
 
 def test_other_options_are_refused(collected: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert program.main(["--scenes", "0:4", "--out", str(collected), *SHORT, "--seed", "1"]) == 2
-    assert "cannot be continued with seed 1" in capsys.readouterr().err
+    assert capsys.readouterr().err.startswith(f"{collected}: seed: ")
     assert program.main(["--scenes", "six", "--out", str(collected), *SHORT]) == 2
-    assert capsys.readouterr().err.startswith("scenes is 'six', but must be a number or a slice")
+    assert capsys.readouterr().err.startswith("scenes: ")
     assert program.main(["--scenes", "0:4", "--out", str(collected), *SHORT, "--walk.draws", "7"]) == 2
-    assert "cannot be continued with walk.draws 7, since it was made with 2; " in capsys.readouterr().err
+    assert capsys.readouterr().err.startswith(f"{collected}: walk.draws: ")
 
 
 def test_a_broken_note_of_how_attempts_were_made_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "collection.json").write_text('{"seed": ')
     assert program.main(["--scenes", "0", "--out", str(tmp_path)]) == 2
-    assert "collection.json: is not JSON: " in capsys.readouterr().err
+    assert capsys.readouterr().err.startswith(f"{tmp_path}/collection.json: ")
 
 
 def _die_here_and_there(out: Path, scene: int, _seed: int, _walk: object, spared: Sequence[int]) -> tuple[int, int]:

@@ -2,8 +2,9 @@
 
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
+from tests.refusals import refusal
 
 
 @pytest.mark.parametrize("regime", REGIMES)
@@ -37,16 +38,16 @@ def test_a_strategy_of_ones_own_is_named_with_its_options() -> None:
 
 @pytest.mark.parametrize("name", ["best", "a/b=--planner els", "..=--planner els", "=--planner els"])
 def test_what_is_no_strategy_is_refused_with_the_names_that_are(name: str) -> None:
-    with pytest.raises(IctampError, match=r"strategies has '.*', but must have names from p-score, .* or NAME=OPTIONS"):
+    with refusal(Code.UNKNOWN_CHOICE, "strategies", value=name, choices=tuple(STRATEGIES)):
         methods("paper", [name], [0])
 
 
 @pytest.mark.parametrize("names", [["stap", "stap"], ["mine=--planner els", "mine=--planner stap"]])
 def test_strategies_of_the_same_name_are_refused(names: list[str]) -> None:
-    with pytest.raises(IctampError, match=r"strategies has '.*' more than once, but all must be different"):
+    with refusal(Code.REPEATED, "strategies", value=names[0].partition("=")[0]):
         methods("paper", names, [0])
 
 
 def test_options_with_an_open_quotation_are_refused() -> None:
-    with pytest.raises(IctampError, match='"mine=--planner \'els", whose options cannot be read: No closing quotation'):
+    with refusal(Code.NOT_READABLE, "strategies"):
         methods("paper", ["mine=--planner 'els"], [0])

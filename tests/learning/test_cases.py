@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.learning.cases import count_outcomes, halves, read_cases
 from ictamp_drake.learning.dataset import scene
 from ictamp_drake.scenes.training import training_scene
 from tests.learning.counted import case, folder_of, picks
+from tests.refusals import refusal
 
 YES, NO = True, False
 
@@ -44,22 +45,22 @@ def test_the_halves_are_all_executions_and_each_is_tested_on_the_other() -> None
 
 
 @pytest.mark.parametrize(
-    ("outcomes", "least", "sentence"),
+    ("outcomes", "least", "found"),
     [
-        (([YES, NO], [YES]), 3, "no pick was attempted 3 times from the same c, the most is 2; collect with --walk.dr"),
-        (([YES, YES], [YES]), 1, "of 2 attempts to pick 2 succeeded, but both successes and failures are needed"),
-        (([NO, NO], [NO]), 1, "of 2 attempts to pick 0 succeeded"),
-        (([YES, NO], [YES]), 2, "all cases of pick are in scene 3, but intervals need two scenes at least"),
+        (([YES, NO], [YES]), 3, 2),  # attempts from the same c
+        (([YES, YES], [YES]), 1, 2),  # successes
+        (([NO, NO], [NO]), 1, 0),
+        (([YES, NO], [YES]), 2, 1),  # scenes
     ],
 )
 def test_what_cannot_be_judged_is_refused(
-    tmp_path: Path, outcomes: tuple[list[bool], list[bool]], least: int, sentence: str
+    tmp_path: Path, outcomes: tuple[list[bool], list[bool]], least: int, found: int
 ) -> None:
     folder = folder_of(tmp_path, *(picks(number, each) for number, each in zip((3, 4), outcomes, strict=True)))
-    with pytest.raises(IctampError, match=f"{folder}: {sentence}"):
+    with refusal(Code.TOO_FEW_DATA, file=folder, value=found):
         read_cases(folder, "pick", least)
 
 
 def test_a_folder_without_attempts_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(IctampError, match="no recorded attempts"):
+    with refusal(Code.NOT_FOUND):
         read_cases(tmp_path / "nowhere", "pick", 2)

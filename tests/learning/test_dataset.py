@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.dataset as pads
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.learning.dataset import (
@@ -25,6 +25,7 @@ from ictamp_drake.learning.dataset import (
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observer
 from ictamp_drake.scenes.training import training_scene
 from tests.motions import stay
+from tests.refusals import refusal
 from tests.skills.rig import rig
 
 DATA = Path(__file__).parents[2] / "data"
@@ -147,7 +148,7 @@ def test_no_rows_are_no_attempts(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_attempts_is_named(tmp_path: Path) -> None:
-    with pytest.raises(IctampError, match=str(tmp_path)):
+    with refusal(Code.NOT_FOUND, file=tmp_path):
         load(tmp_path)
 
 

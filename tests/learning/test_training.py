@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.learning.batches import split
 from ictamp_drake.learning.classifier import Classifier
 from ictamp_drake.learning.dataset import load
@@ -16,6 +16,7 @@ from ictamp_drake.learning.models import arrays_of
 from ictamp_drake.learning.objectives import Classification
 from ictamp_drake.learning.training import LOG, STATE, Data, Figures, Fit, FitConfig, start
 from tests.learning.synthetic import SIZE, write_attempts
+from tests.refusals import refusal
 
 CONFIG = FitConfig(epochs=6, batch=64, rate=1e-2)
 
@@ -108,10 +109,10 @@ def test_a_run_with_other_options_or_attempts_is_refused(data: Data, tmp_path: P
     fit, _ = new(data, tmp_path, attempts="abc")
     fit.run(interrupt_after(1, fit))
     for config, fingerprint in ((FitConfig(epochs=7), "abc"), (CONFIG, "abd")):
-        with pytest.raises(IctampError, match=r"state.safetensors: made with other options or other attempts"):
+        with refusal(Code.OTHER_OPTIONS, file=tmp_path / STATE):
             new(data, tmp_path, config, attempts=fingerprint)[0].run()
     (tmp_path / STATE).write_bytes(b"x")
-    with pytest.raises(IctampError, match=r"state.safetensors: cannot be read"):
+    with refusal(Code.DAMAGED, file=tmp_path / STATE):
         new(data, tmp_path, attempts="abc")[0].run()
 
 

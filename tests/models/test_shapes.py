@@ -12,9 +12,10 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.models.contact import CONTACT_RADIUS
 from ictamp_drake.models.shapes import box_contacts, box_sdf, rack_sdf, rim_contacts, table_sdf
+from tests.refusals import refusal
 
 RED = (1.0, 0.0, 0.0)
 
@@ -79,7 +80,7 @@ def test_friction_of_a_box_is_the_given_one() -> None:
     ("size", "mass", "word"), [((0.05, 0.05, 0.001), 0.1, "size"), ((0.05, 0.05, 0.05), 0.0, "mass")]
 )
 def test_impossible_boxes_are_refused_by_name(size: tuple[float, float, float], mass: float, word: str) -> None:
-    with pytest.raises(IctampError, match=f"crate: {word}"):
+    with refusal(Code.OUT_OF_RANGE, f"crate.{word}"):
         box_sdf("crate", size, mass, 1.0, RED)
 
 
@@ -105,7 +106,7 @@ def test_rack_stands_on_its_feet_below_its_top_face() -> None:
 
 
 def test_one_cannot_build_a_rack_of_nothing() -> None:
-    with pytest.raises(IctampError, match="shelf: size"):
+    with refusal(Code.OUT_OF_RANGE, "shelf.size"):
         rack_sdf("shelf", (0.22, 0.32, 0.02))
 
 

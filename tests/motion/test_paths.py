@@ -5,10 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.config import PathConfig
 from ictamp_drake.motion.paths import find_path
+from tests.refusals import refusal
 
 LIMITS = (np.full(7, -2.0), np.full(7, 2.0))
 START, END = np.array([-1.0, *[0.0] * 6]), np.array([1.0, *[0.0] * 6])
@@ -53,7 +54,7 @@ def test_checks_may_be_as_far_apart_as_the_margin_is_wide_and_no_further() -> No
     near = PathConfig(margin=0.03, step=0.03)
     for end in (START, START + 1e-6):
         find_path(START, end, lambda _: True, limits=LIMITS, rng=np.random.default_rng(0), config=near)
-    with pytest.raises(IctampError, match=r"skills\.motion\.path\.step is 0\.05, but must be between 0\.001 and 0\.03"):
+    with refusal(Code.OUT_OF_RANGE, "skills.motion.path.step", value=0.05):
         PathConfig(margin=0.03)
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
 from ictamp_drake.estimators.constant import Constant
@@ -19,6 +19,7 @@ from ictamp_drake.planning.tree import Opening
 from ictamp_drake.symbolic.atoms import ON
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.skeletons import BreadthFirst
+from tests.refusals import refusal
 from tests.runs.programs import run_code
 from tests.symbolic.towers import Problem, state
 from tests.toy_world import ADAPTIVE, RIGHT, UP, TableEstimator, TickingClock, ToyWorld, toy_planner
@@ -98,7 +99,7 @@ def test_the_search_does_not_depend_on_the_speed_of_the_machine() -> None:
 
 
 def test_a_negative_cost_of_opening_is_refused() -> None:
-    with pytest.raises(IctampError, match=r"opening of adaptive allocation is -0\.1, but must be 0 or more"):
+    with refusal(Code.OUT_OF_RANGE, "planners.adaptive.opening", value=-0.1):
         AdaptiveConfig(opening=-0.1)
 
 

@@ -7,12 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Attempt, Obstruction, Skeleton
 from ictamp_drake.planning.beliefs import Beliefs, BeliefsConfig
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
 from tests.motions import stay
+from tests.refusals import refusal
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction
 
 WORLD = ToyWorld(size=(1, 1))
@@ -189,17 +190,17 @@ def test_a_failure_makes_a_plan_look_further_away_and_a_success_nearer(
 
 @pytest.mark.parametrize("name", ["strength", "floor", "hope", "effort", "trying", "simulating", "patience"])
 def test_a_constant_of_zero_is_refused_by_name(name: str) -> None:
-    with pytest.raises(IctampError, match=f"{name} of the beliefs is 0.0, but must be more than 0"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.adaptive.beliefs.{name}", value=0.0):
         BeliefsConfig(**{name: 0.0})
 
 
 @pytest.mark.parametrize("name", ["floor", "hope"])
 def test_what_is_no_probability_is_refused_by_name(name: str) -> None:
-    with pytest.raises(IctampError, match=f"{name} of the beliefs is 5.0, but must be at most 1"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.adaptive.beliefs.{name}", value=5.0):
         BeliefsConfig(**{name: 5.0})
 
 
 @pytest.mark.parametrize("name", ["strength", "effort", "trying", "simulating"])
 def test_an_infinite_constant_is_refused_by_name(name: str) -> None:
-    with pytest.raises(IctampError, match=f"{name} of the beliefs is inf, but must be finite"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.adaptive.beliefs.{name}", value=float("inf")):
         BeliefsConfig(**{name: float("inf")})

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import Attempt
@@ -11,6 +11,7 @@ from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.els import Els, ElsConfig
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
+from tests.refusals import refusal
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction, toy_planner
 
 WORLD = ToyWorld(size=(1, 1))
@@ -87,16 +88,16 @@ def test_without_weights_no_estimator_is_asked() -> None:
 
 @pytest.mark.parametrize(("name", "value"), [("p_w", -1.0), ("p_c", float("nan")), ("eps", -1e-9)])
 def test_a_negative_constant_is_refused_by_name(name: str, value: float) -> None:
-    with pytest.raises(IctampError, match=rf"{name} of els is {value}, but must be 0 or more"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.els.{name.replace('_', '-')}", value=value):
         ElsConfig(**{name: value})  # type: ignore[arg-type]
 
 
 def test_a_floor_that_is_no_probability_is_refused() -> None:
-    with pytest.raises(IctampError, match=r"floor of els is 2\.0, but must be at most 1"):
+    with refusal(Code.OUT_OF_RANGE, "planners.els.floor", value=2.0):
         ElsConfig(floor=2.0)
 
 
 @pytest.mark.parametrize("name", ["w0", "c0", "floor"])
 def test_a_scale_of_zero_is_refused_by_name(name: str) -> None:
-    with pytest.raises(IctampError, match=rf"{name} of els is 0.0, but must be more than 0"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.els.{name}", value=0.0):
         ElsConfig(**{name: 0.0})  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import chisquare
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.core.types import Attempt
@@ -15,6 +15,7 @@ from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.proportional import Proportional, ProportionalConfig
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import ROOT, RunStep, Tree
+from tests.refusals import refusal
 from tests.toy_world import RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, abstraction, toy_planner
 
 WORLD = ToyWorld(size=(1, 1))
@@ -113,5 +114,5 @@ def test_each_step_is_estimated_once_and_all_new_ones_in_one_call() -> None:
 @pytest.mark.parametrize("name", ["W", "floor"])
 @pytest.mark.parametrize("value", [-1.0, float("nan")])
 def test_a_negative_constant_is_refused_by_name(name: str, value: float) -> None:
-    with pytest.raises(IctampError, match=rf"{name} of the selection rule is {value}, but must be 0 or more"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.completion-tree.{name}", value=value):
         replace(ProportionalConfig(), **{name: value})  # type: ignore[arg-type]

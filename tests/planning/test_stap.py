@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.protocols import RuleContext
 from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.tree import ROOT, Opening
+from tests.refusals import refusal
 from tests.toy_world import RIGHT, UP, ToyOptimizer, ToyWorld, assert_consistent, toy_planner
 
 WORLD = ToyWorld(size=(2, 1))
@@ -70,5 +71,5 @@ def test_an_estimator_that_does_not_optimize_plans_is_refused() -> None:
 
 @pytest.mark.parametrize(("name", "least"), [("extra", 0), ("plans", 1), ("draws", 1), ("iterations", 0)])
 def test_a_constant_that_is_too_small_is_refused_by_name(name: str, least: int) -> None:
-    with pytest.raises(IctampError, match=f"{name} of stap is {least - 1}, but must be {least} or more"):
+    with refusal(Code.OUT_OF_RANGE, f"planners.stap.{name}", value=least - 1):
         StapConfig(**{name: least - 1})

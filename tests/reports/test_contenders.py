@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import Action, Skeleton
 from ictamp_drake.learning.checkpoint import Checkpoint, load
 from ictamp_drake.reports.contenders import BaseRates, KnownRates, contenders
 from tests.learning.synthetic import write_untrained
+from tests.refusals import refusal
 
 
 @pytest.fixture(scope="module")
@@ -47,14 +48,14 @@ def test_dynamics_are_needed_for_plans_only(checkpoints: Path, tmp_path: Path) -
         (tmp_path / path.name).write_bytes(path.read_bytes())
     rates = KnownRates({"pick": 0.25, "place": 0.75})
     assert contenders(tmp_path, rates, plans=False)
-    with pytest.raises(IctampError, match=r"pick_dynamics.*no such checkpoint"):
+    with refusal(Code.NOT_FOUND, file=tmp_path / "pick_dynamics.safetensors"):
         contenders(tmp_path, rates)
 
 
-def test_mistakes_are_answered_with_a_sentence(checkpoints: Path, tmp_path: Path) -> None:
-    with pytest.raises(IctampError, match=r"place_estimator.*have no base_rate; name it by --base-rate.place"):
+def test_mistakes_are_refused(checkpoints: Path, tmp_path: Path) -> None:
+    with refusal(Code.MISSING_FIELD, "metrics.base_rate"):
         BaseRates().complete(checkpoints)
-    with pytest.raises(IctampError, match=r"base-rate.place is 1.5, but must be between 0 and 1"):
+    with refusal(Code.OUT_OF_RANGE, "base-rate.place", value=1.5):
         BaseRates(place=1.5)
-    with pytest.raises(IctampError, match="no such checkpoint"):
+    with refusal(Code.NOT_FOUND):
         contenders(tmp_path, KnownRates({}))

@@ -3,11 +3,10 @@
 from itertools import product
 from pathlib import Path
 
-import pytest
-
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.reports.regime import UNNAMED, read_regime, tabulate_runs
 from ictamp_drake.runs.records import OWN
+from tests.refusals import refusal
 from tests.runs.recorded import CONDITIONS, folder_of, run
 
 
@@ -72,21 +71,21 @@ def test_several_time_limits_are_no_limit_of_all(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_records_is_named_beside_those_that_have_them(tmp_path: Path) -> None:
-    with pytest.raises(IctampError, match=r"nowhere holds no results.jsonl; nor does any folder beside it"):
+    with refusal(Code.NOT_A_RUN, "runs", value=str(tmp_path / "nowhere"), choices=()):
         read_regime(tmp_path / "nowhere")
     folder_of(tmp_path / "default", [run("a")])
-    with pytest.raises(IctampError, match=r"the folders beside it that do are: default$"):
+    with refusal(Code.NOT_A_RUN, "runs", choices=("default",)):
         read_regime(tmp_path / "nowhere")
 
 
 def test_a_broken_configuration_is_named(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "run", [run("a")])
     (folder / "config.yaml").write_text("- 1")
-    with pytest.raises(IctampError, match=r"config.yaml: the file is \[1\], but must be a mapping"):
+    with refusal(Code.WRONG_TYPE, file=folder / "config.yaml", value=[1]):
         read_regime(folder)
 
 
 def test_a_run_that_has_not_finished_anything_is_no_regime(tmp_path: Path) -> None:
     folder = folder_of(tmp_path / "run", [run("a", solved=False, stop_reason="STOPPED")])
-    with pytest.raises(IctampError, match=r"results.jsonl: holds no finished run; interrupted ones: 1"):
+    with refusal(Code.TOO_FEW_DATA, file=folder / "results.jsonl"):
         read_regime(folder)

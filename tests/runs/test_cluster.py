@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from ray.cluster_utils import Cluster
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.cluster import connect_cluster
 from ictamp_drake.runs.conduct import Conduct
@@ -20,6 +20,7 @@ from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.method import Method
+from tests.refusals import refusal
 from tests.runs.clusters import two_nodes
 from tests.runs.programs import timeless
 
@@ -88,5 +89,5 @@ def test_a_node_that_dies_in_mid_sweep_costs_nothing(cluster: Cluster, tmp_path:
 
 def test_an_address_where_nobody_answers_is_refused(tmp_path: Path) -> None:
     conduct = Conduct(engine=EngineConfig("ray", ray_address="127.0.0.1:1"))
-    with pytest.raises(IctampError, match=r"ray-address is '127.0.0.1:1', where no cluster answers"):
+    with refusal(Code.NOT_REACHABLE, "ray-address", value="127.0.0.1:1"):
         sweep(jobs(), tmp_path, conduct, lambda *_: None)

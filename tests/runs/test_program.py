@@ -9,6 +9,7 @@ from rich.console import Console
 from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.reading import parse
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.index import INDEX
 from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, run
 from ictamp_drake.scenes.spec import SceneSpec
@@ -33,3 +34,15 @@ def test_pictures_are_found_where_it_says_that_they_are(strategy: str, count: in
     printed = StringIO()
     assert run(Work("packing", {"program": "packing"}, jobs, Conduct(out=out)), Console(file=printed)) == 0
     assert f"Searches: {out / place}\n" in printed.getvalue()
+    assert str(out / INDEX) in printed.getvalue()
+    assert (out / INDEX).exists()
+
+
+def test_a_page_that_cannot_be_written_costs_only_itself(tmp_path: Path) -> None:
+    record = recorded.run("", 0)
+    out = recorded.folder_of(tmp_path / "out", [record], {"program": "packing"})
+    (out / INDEX / "in-the-way").mkdir(parents=True)
+    job = Job(Problem(record.problem, decode(SceneSpec, parse(SCENE))), Method())
+    printed = StringIO()
+    assert run(Work("packing", {"program": "packing"}, [job], Conduct(out=out)), Console(file=printed)) == 0
+    assert f"{out / INDEX} could not be written" in printed.getvalue()

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.runs.records import Record, append, drop_torn_line, read_records
+from tests.refusals import refusal
 
 counts = st.dictionaries(st.text(max_size=8), st.integers(0, 99), max_size=3)
 records = st.builds(
@@ -69,7 +70,7 @@ def test_a_record_that_the_disk_has_no_room_for_leaves_nothing(room: int, tmp_pa
     before, limits = path.read_bytes(), resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + room, limits[1]))
     try:
-        with pytest.raises(IctampError, match=r"results.jsonl: a record could not be written: "):
+        with refusal(Code.NOT_WRITABLE, file=path):
             append(record("b"), path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
@@ -106,37 +107,46 @@ def test_no_file_holds_no_records(tmp_path: Path) -> None:
     assert read_records(tmp_path / "results.jsonl") == {}
 
 
-@pytest.mark.parametrize("line", ["no json", "[]", "{}", '{"problem": "a", "colour": 1}'])
-def test_a_line_that_is_no_record_is_named(line: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("line", "code", "field"),
+    [
+        ("no json", Code.NOT_JSON, ""),
+        ("[" * 100_000, Code.TOO_DEEP, ""),
+        ("[]", Code.WRONG_TYPE, ""),
+        ("{}", Code.MISSING_FIELD, "problem"),
+        ('{"problem": "a", "colour": 1}', Code.UNKNOWN_FIELD, "colour"),
+    ],
+)
+def test_a_line_that_is_no_record_is_named(line: str, code: Code, field: str, tmp_path: Path) -> None:
     path = tmp_path / "results.jsonl"
     append(record("a"), path)
     with path.open("a") as file:
         file.write(line + "\n")
-    with pytest.raises(IctampError, match=r"results.jsonl: line 2 is not a record"):
+    with refusal(code, field, file=path, line=2):
         read_records(path)
 
 
 def test_a_line_that_is_not_utf8_is_named(tmp_path: Path) -> None:
     (tmp_path / "results.jsonl").write_bytes(b'{"problem": "\xff"}\n')
-    with pytest.raises(IctampError, match=r"results.jsonl: line 1 is not a record: .*can't decode"):
+    with refusal(Code.NOT_JSON, file=tmp_path / "results.jsonl", line=1):
         read_records(tmp_path / "results.jsonl")
 
 
 @pytest.mark.parametrize(
-    ("field", "value", "sentence"),
+    ("field", "value"),
     [
-        ("planning_time_s", "fast", "planning_time_s is 'fast', but must be of type float"),
-        ("solved", "no", "solved is 'no', but must be of type bool"),
-        ("seed", True, "seed is True, but must be of type int"),
-        ("failures", [1], r"failures is \[1\], but must be of type dict\[str, int\]"),
-        ("level", 3, r"level is 3, but must be of type str \| None"),
-        ("load", ["much"], r"load is \['much'\], but must be of type tuple"),
+        ("planning_time_s", "fast"),
+        ("solved", "no"),
+        ("seed", True),
+        ("failures", [1]),
+        ("level", 3),
+        ("load", ["much"]),
     ],
 )
-def test_a_value_of_the_wrong_type_is_named(field: str, value: object, sentence: str, tmp_path: Path) -> None:
+def test_a_value_of_the_wrong_type_is_named(field: str, value: object, tmp_path: Path) -> None:
     path = tmp_path / "results.jsonl"
     path.write_text(json.dumps(dataclasses.asdict(record("a")) | {field: value}) + "\n")
-    with pytest.raises(IctampError, match=f"line 1 is not a record: {sentence}"):
+    with refusal(Code.WRONG_TYPE, field, file=path, line=1, value=value):
         read_records(path)
 
 

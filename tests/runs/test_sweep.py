@@ -28,7 +28,7 @@ from tests.runs.programs import SCENE, timeless
 METHOD = Method(time_limit=250.0)
 SHORT = replace(METHOD, max_steps=1)
 NO_GRASP = OptimizationConfig(ground=1.0)
-ENDLESS = replace(METHOD, sampler="optimisation", samplers=Samplers(optimisation=NO_GRASP))
+ENDLESS = replace(METHOD, sampler="optimization", samplers=Samplers(optimization=NO_GRASP))
 """Finds no grasp, since all are too high above the ground, and does not give up."""
 PAGES = {"tree.json", "tree.svg", "growth.svg", "scene.png", "search.html", "replay.html"}
 

@@ -4,7 +4,7 @@ import pytest
 from rich.console import Console
 
 from ictamp_drake.runs.records import Record
-from ictamp_drake.runs.table import blocker, figures, format_results
+from ictamp_drake.runs.table import figures, format_results
 
 
 def record(problem: str, **values: object) -> Record:
@@ -23,34 +23,6 @@ def text(*records: Record) -> str:
         console.quiet = False
         console.print(format_results(records))
     return capture.get()
-
-
-@pytest.mark.parametrize(
-    ("action", "refusals", "line"),
-    [
-        (
-            "pick(red_box, rack)",
-            {"NO_INVERSE_KINEMATICS": 30},
-            "pick(red_box, rack): 30 of 30 grasps: no inverse-kinematics solution",
-        ),
-        (
-            "place(red_box, rack)",
-            {"NO_PATH": 7, "TOPPLED": 5},
-            "place(red_box, rack): 12 of 12 placements: 7 no collision-free path, 5 object toppled",
-        ),
-        ("push(red_box, rack)", {"SLIPPED": 1}, "push(red_box, rack): 1 of 1 parameters k: object slipped"),
-    ],
-)
-def test_a_blocked_action_says_what_refused_it(action: str, refusals: dict[str, int], line: str) -> None:
-    assert blocker(action, refusals, {}) == line
-
-
-def test_a_blocked_action_names_what_was_most_often_in_its_way() -> None:
-    line = blocker("pick(low, table)", {"GOAL_IN_COLLISION": 9}, {"far": 1, "tall": 5, "rack": 2, "table": 1})
-    assert (
-        line
-        == "pick(low, table): 9 of 9 grasps: grasp or placement in collision; in the way: tall (5), rack (2), far (1)"
-    )
 
 
 def test_figures_are_of_the_solved_problems() -> None:
@@ -89,29 +61,21 @@ def test_failures_are_counted_over_all_problems() -> None:
     assert next(line.split() for line in output.splitlines() if "slipped" in line)[-1] == "3"
 
 
-def test_an_unsolved_problem_says_why() -> None:
-    output = text(record("hard-003", blocked={"pick(red_box, rack)": {"NO_INVERSE_KINEMATICS": 30}}))
-    assert "hard-003: the time limit was reached" in output
-    assert "  pick(red_box, rack): 30 of 30 grasps: no inverse-kinematics solution" in output
-
-
-def test_an_unsolved_problem_without_a_blocked_action_says_what_failed() -> None:
-    output = text(record("a", high_level_plans=1, low_level_steps=9, failures={"SLIPPED": 2, "NO_PATH": 1}))
-    assert "of 9 steps 3 failed: 2 object slipped, 1 no collision-free path" in " ".join(output.split())
-
-
-def test_a_problem_without_a_plan_says_so() -> None:
-    assert "no high-level plan was found" in text(record("a"))
-
-
-def test_a_search_that_went_into_plans_says_so() -> None:
-    slow = record("a", planning_time_s=42.8, seconds_by_stage={"plan_generator": 26.2}, high_level_plans=1)
-    assert "26 of 43 s went to finding high-level plans; --generator best-first" in text(slow)
-    assert "best-first" not in text(record("a", planning_time_s=42.8, seconds_by_stage={"plan_generator": 1.0}))
-
-
-def test_a_plan_that_did_not_pass_its_replay_is_mentioned() -> None:
-    assert "failed when it was executed once more" in text(record("a", verified=False))
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"blocked": {"pick(red_box, rack)": {"NO_INVERSE_KINEMATICS": 30}}},
+        {"high_level_plans": 1, "low_level_steps": 9, "failures": {"SLIPPED": 2, "NO_PATH": 1}},
+        {"verified": False},
+    ],
+    ids=["blocked", "nothing blocked", "not verified"],
+)
+def test_an_unsolved_problem_says_why(values: dict[str, object]) -> None:
+    unsolved = record("hard-003", **values)
+    output = " ".join(text(unsolved).split())
+    assert f"hard-003: {unsolved.explanation.reason}" in output
+    for line in unsolved.explanation.lines():
+        assert line in output
 
 
 def test_a_broken_problem_shows_its_error() -> None:

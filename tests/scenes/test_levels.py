@@ -4,10 +4,11 @@ from collections import Counter
 
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, parse_selection, problem_files
 from ictamp_drake.scenes.packing import make_problem
 from ictamp_drake.scenes.spec import load_scene, to_yaml
+from tests.refusals import refusal
 
 
 @pytest.mark.parametrize(
@@ -49,18 +50,18 @@ def test_selections(selection: str, numbers: list[int]) -> None:
 
 @pytest.mark.parametrize("selection", ["", "a", "1,2", "-1", "1:2:3", "1.5", "0-5"])
 def test_a_selection_that_is_not_understood(selection: str) -> None:
-    with pytest.raises(IctampError, match=f"problems is '{selection}', but must be a number or a slice, e.g. 3, 0:5"):
+    with refusal(Code.WRONG_TYPE, "problems", value=selection):
         parse_selection(selection, 17)
 
 
 @pytest.mark.parametrize("selection", ["17", "5:5", "5:3", "17:"])
 def test_a_selection_of_nothing(selection: str) -> None:
-    with pytest.raises(IctampError, match=f"problems is '{selection}', but must select from the numbers 0 to 16"):
+    with refusal(Code.OUT_OF_RANGE, "problems", value=selection):
         parse_selection(selection, 17)
 
 
 def test_an_unknown_level() -> None:
-    with pytest.raises(IctampError, match="level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"):
+    with refusal(Code.UNKNOWN_CHOICE, "level", value="heavy", choices=LEVELS):
         problem_files("heavy")
-    with pytest.raises(IctampError, match="level is 'heavy', but must be one of: easy, medium, hard, extreme, varied"):
+    with refusal(Code.UNKNOWN_CHOICE, "level", value="heavy", choices=LEVELS):
         make_problem("heavy", 0)

@@ -17,7 +17,7 @@ from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
-OPTIMISATION = OptimizationConfig()
+OPTIMIZATION = OptimizationConfig()
 KINEMATIC = frozenset({Failure.NO_INVERSE_KINEMATICS, Failure.GOAL_IN_COLLISION, Failure.NO_PATH})
 """Causes of failure before anything is simulated."""
 
@@ -53,7 +53,7 @@ class Rig:
         return self.skills.attempt(c, action, self.promised_state(c, action), np.random.default_rng(seed), k)
 
 
-def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMISATION, draws: int = 8) -> Rig:
+def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMIZATION, draws: int = 8) -> Rig:
     """The scene with the default physics and skills."""
     world = World(spec)
     abstraction = SceneAbstraction(world)

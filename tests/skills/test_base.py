@@ -4,10 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.skills.base import openings
 from ictamp_drake.skills.config import CLEARANCES, PickConfig, PlaceConfig
+from tests.refusals import refusal
 
 
 @given(needed=st.floats(0, 0.1), clearances=st.lists(st.floats(0, 0.05), min_size=1, max_size=4))
@@ -29,12 +30,9 @@ def test_a_comfortable_opening_is_tried_first() -> None:
 
 
 @pytest.mark.parametrize("config", [PickConfig, PlaceConfig])
-@pytest.mark.parametrize(
-    ("clearances", "message"),
-    [((), "clearances is empty"), ((0.01, -0.001), "clearances is .*-0.001.*, but each number must be")],
-)
+@pytest.mark.parametrize(("clearances", "code"), [((), Code.EMPTY), ((0.01, -0.001), Code.OUT_OF_RANGE)])
 def test_clearances_are_checked(
-    config: type[PickConfig | PlaceConfig], clearances: tuple[float, ...], message: str
+    config: type[PickConfig | PlaceConfig], clearances: tuple[float, ...], code: Code
 ) -> None:
-    with pytest.raises(IctampError, match=message):
+    with refusal(code, value=clearances):
         config(clearances=clearances)

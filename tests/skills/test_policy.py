@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -19,6 +19,7 @@ from ictamp_drake.skills.policy import PolicySampler
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import write_untrained
+from tests.refusals import refusal
 from tests.skills.rig import KINEMATIC, pick, place, rig
 from tests.world.scenes import arrange, far_boxes, hold_box, pose, scene
 
@@ -149,14 +150,14 @@ def test_one_candidate_is_the_policys_plain_draw(world: World, arm: ArmKinematic
     np.testing.assert_array_equal(next(sampler.draws(c, action, np.random.default_rng(2))), draw)
 
 
-def test_mistakes_are_answered_with_a_sentence(world: World, arm: ArmKinematics, tmp_path: Path) -> None:
-    with pytest.raises(IctampError, match=r"pick_policy.safetensors: there is no such checkpoint"):
+def test_mistakes_are_refused(world: World, arm: ArmKinematics, tmp_path: Path) -> None:
+    with refusal(Code.NOT_FOUND, file=tmp_path / "pick_policy.safetensors"):
         PolicyConfig(tmp_path).create(SamplerContext(world, arm))
-    with pytest.raises(IctampError, match=r"samplers.policy.candidates is 0, but must be between 1 and 4096"):
+    with refusal(Code.OUT_OF_RANGE, "samplers.policy.candidates", value=0):
         PolicyConfig(candidates=0)
-    with pytest.raises(IctampError, match=r"samplers.policy.haste is -0.1, but must be between 0 and 1"):
+    with refusal(Code.OUT_OF_RANGE, "samplers.policy.haste", value=-0.1):
         PolicyConfig(haste=-0.1)
-    with pytest.raises(IctampError, match=r"samplers.policy.trust is 0, but must be between 1 and 4096"):
+    with refusal(Code.OUT_OF_RANGE, "samplers.policy.trust", value=0):
         PolicyConfig(trust=0)
-    with pytest.raises(IctampError, match=r"samplers.policy.belief is 1.5, but must be between 0 and 1"):
+    with refusal(Code.OUT_OF_RANGE, "samplers.policy.belief", value=1.5):
         PolicyConfig(belief=1.5)

@@ -11,9 +11,9 @@ from scipy.interpolate import BSpline
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter
 from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
-from ictamp_drake.skills.base import TIP
 from ictamp_drake.skills.config import OptimizationConfig, SkillsConfig, UniformConfig
 from ictamp_drake.skills.context import SamplerConfig
 from ictamp_drake.world.poses import to_transform

@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.symbolic.expressions import MAX_CHARACTERS, MAX_DEPTH, Expression, Group, quote_expression, read
+from tests.refusals import refusal
 
 words = st.text(alphabet="abc?:-=_019", min_size=1, max_size=5)
 groups = st.recursive(
@@ -36,22 +37,21 @@ def test_a_group_knows_its_line() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "sentence"),
+    ("text", "code", "line", "value"),
     [
-        ("", 'line 1: expected "(", not the end of the text'),
-        ("; nothing\n; at all", 'line 1: expected "(", not the end of the text'),
-        ("\nword", 'line 2: expected "(", not "word"'),
-        (")", 'line 1: expected "(", not ")"'),
-        ("(a\n(b\n)", 'line 3: expected ")" for the "(" of line 1, not the end of the text'),
-        ("(a)\n(b)", 'line 2: expected the end of the text, not "("'),
-        ("(" * 1000, f"line 1: expected brackets to be nested at most {MAX_DEPTH} deep"),
-        ("(" + " a" * MAX_CHARACTERS, f"expected at most {MAX_CHARACTERS} characters, not {2 * MAX_CHARACTERS + 1}"),
+        ("", Code.NOT_PDDL, 1, None),
+        ("; nothing\n; at all", Code.NOT_PDDL, 1, None),
+        ("\nword", Code.NOT_PDDL, 2, "word"),
+        (")", Code.NOT_PDDL, 1, ")"),
+        ("(a\n(b\n)", Code.NOT_PDDL, 3, None),
+        ("(a)\n(b)", Code.NOT_PDDL, 2, "("),
+        ("(" * 1000, Code.TOO_DEEP, 1, None),
+        ("(" + " a" * MAX_CHARACTERS, Code.TOO_LARGE, None, 2 * MAX_CHARACTERS + 1),
     ],
 )
-def test_what_is_no_expression_is_refused(text: str, sentence: str) -> None:
-    with pytest.raises(IctampError) as caught:
+def test_what_is_no_expression_is_refused(text: str, code: Code, line: int | None, value: object) -> None:
+    with refusal(code, line=line, value=value):
         read(text)
-    assert str(caught.value) == sentence
 
 
 def test_the_deepest_nesting_is_read() -> None:

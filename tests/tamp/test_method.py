@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import tyro
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Config
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
@@ -22,6 +22,7 @@ from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.skills.config import PolicyConfig, UniformConfig
 from ictamp_drake.symbolic.skeletons import BestFirst
 from ictamp_drake.tamp.method import Estimators, Generators, Method, Planners, Samplers
+from tests.refusals import refusal
 
 NOWHERE = Path("nowhere")
 
@@ -31,7 +32,7 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
         Method,
         args=[
             *("--planners.completion-tree.W", "7", "--planners.els.p-w", "3", "--planner", "els"),
-            *("--samplers.optimisation.restarts", "3", "--physics.time-step", "0.002"),
+            *("--samplers.optimization.restarts", "3", "--physics.time-step", "0.002"),
             *("--skills.pick.force", "20", "--generators.best-first.weight", "1.5", "--predicates.tilt", "0.2"),
             *("--estimators.constant.P", "0.5", "--skills.motion.padding", "0.01"),
             *("--samplers.policy.candidates", "1", "--estimators.q-value.draws", "8"),
@@ -40,7 +41,7 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
     assert method.planner == "els"
     assert method.planners.completion_tree.W == 7
     assert method.planners.els.p_w == 3
-    assert method.samplers.optimisation.restarts == 3
+    assert method.samplers.optimization.restarts == 3
     assert method.physics.time_step == 0.002
     assert method.skills.pick.force == 20
     assert method.skills.motion.padding == 0.01
@@ -73,10 +74,10 @@ def test_constants_that_are_no_number_are_refused_by_the_name_of_their_option(op
     config, name = CONSTANTS[option]
     value = getattr(config, name)
     if isinstance(value, float):
-        with pytest.raises(IctampError, match=f"^{re.escape(option)} is nan, but must be between"):
+        with refusal(Code.OUT_OF_RANGE, option, value=math.nan):
             replace(config, **{name: math.nan})
     if isinstance(value, tuple) and isinstance(value[0], float):
-        with pytest.raises(IctampError, match=rf"^{re.escape(option)} is \[nan, .*but each number must be between"):
+        with refusal(Code.OUT_OF_RANGE, option):
             replace(config, **{name: (math.nan, *value[1:])})
 
 
@@ -168,8 +169,9 @@ def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) 
     ],
 )
 def test_senseless_values_are_refused(bad) -> None:  # type: ignore[no-untyped-def]
-    with pytest.raises(IctampError, match="must be"):
+    with pytest.raises(IctampError) as caught:
         bad()
+    assert caught.value.code in (Code.OUT_OF_RANGE, Code.UNKNOWN_CHOICE)
 
 
 @pytest.mark.parametrize(
@@ -182,7 +184,7 @@ def test_senseless_values_are_refused(bad) -> None:  # type: ignore[no-untyped-d
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_missing_checkpoints_are_noticed_before_a_run(method: Method, missing: str) -> None:
-    with pytest.raises(IctampError, match=rf"nowhere/{missing}.safetensors: there is no such checkpoint"):
+    with refusal(Code.NOT_FOUND, file=NOWHERE / f"{missing}.safetensors"):
         method.check()
     Method().check()
 

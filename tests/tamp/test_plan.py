@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from ictamp_drake.core.decoding import decode
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.reading import parse
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.plan import Plan, read_plan, write_plan
+from tests.refusals import refusal
 from tests.runs.programs import SCENE
 
 SPEC = decode(SceneSpec, parse(SCENE))
@@ -75,22 +76,22 @@ def test_a_plan_survives_bit_for_bit(
 
 
 @pytest.mark.parametrize(
-    ("content", "sentence"),
+    ("content", "code", "field"),
     [
-        ("- 1", "is not a plan"),
-        ("format: 1", "is not a plan: KeyError"),
-        ("format: [", "is not a plan"),
-        ("format: 9", "format is 9, but must be 1 or 2"),
+        ("- 1", Code.WRONG_TYPE, ""),
+        ("format: 1", Code.MISSING_FIELD, "scene"),
+        ("format: [", Code.NOT_YAML, ""),
+        ("format: 9", Code.OTHER_VERSION, "format"),
+        ("format: " + "[" * 30_000, Code.TOO_DEEP, ""),
     ],
 )
-def test_what_is_no_plan_is_refused(content: str, sentence: str, tmp_path: Path) -> None:
+def test_what_is_no_plan_is_refused(content: str, code: Code, field: str, tmp_path: Path) -> None:
     path = tmp_path / "plan.yaml"
     path.write_text(content)
-    with pytest.raises(IctampError, match=sentence) as error:
+    with refusal(code, field, file=path):
         read_plan(path)
-    assert str(error.value).startswith(f"{path}: ")
 
 
 def test_a_missing_plan_is_named(tmp_path: Path) -> None:
-    with pytest.raises(IctampError, match=r"plan.yaml: cannot be read"):
+    with refusal(Code.NOT_READABLE, file=tmp_path / "plan.yaml"):
         read_plan(tmp_path / "plan.yaml")

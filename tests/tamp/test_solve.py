@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
@@ -28,6 +28,7 @@ from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics
 from tests.learning.synthetic import write_untrained
+from tests.refusals import refusal
 from tests.runs.programs import SCENE
 
 
@@ -53,7 +54,7 @@ def test_a_scene_needs_no_file(scene: Path) -> None:
     method, spec = Method(), load_scene(scene)
     made, read = load(spec, method), load(scene, method)
     assert (made.spec, made.c, made.goal) == (read.spec, read.c, read.goal)
-    with pytest.raises(IctampError, match=r"^the scene: goal"):
+    with refusal(Code.UNKNOWN_CHOICE, "goal", file="the scene", value="nowhere"):
         load(replace(spec, goal="(on red_box nowhere)"), method)
 
 

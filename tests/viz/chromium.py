@@ -94,6 +94,10 @@ class Chromium:
         """Show pages in a window of this size [pixels]."""
         self._call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
+    def prefer(self, scheme: str) -> None:
+        """Show pages to somebody who prefers light or dark ones."""
+        self._call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+
     def click(self, x: float, y: float) -> None:
         """Click with the left mouse button [pixels]."""
         for kind in ("mousePressed", "mouseReleased"):

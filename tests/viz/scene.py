@@ -12,8 +12,8 @@ from ictamp_drake.world.outcome import Frame
 SPEC = SceneSpec(
     supports={"table": SupportSpec("table", (0.3, 0.0, 0.0)), "rack": SupportSpec("rack", (0.44, -0.3, 0.16), 90.0)},
     boxes={
-        "red_box": BoxSpec((0.05, 0.05, 0.118), (0.65, 0.2, 0.059), colour=(0.82, 0.16, 0.16)),
-        "blue_box": BoxSpec((0.05, 0.05, 0.106), (0.45, 0.0, 0.053), colour=(0.16, 0.32, 0.75)),
+        "red_box": BoxSpec((0.05, 0.05, 0.118), (0.65, 0.2, 0.059), color=(0.82, 0.16, 0.16)),
+        "blue_box": BoxSpec((0.05, 0.05, 0.106), (0.45, 0.0, 0.053), color=(0.16, 0.32, 0.75)),
     },
     goal="(on red_box rack)",
 )

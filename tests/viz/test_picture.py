@@ -1,13 +1,16 @@
 """The picture of a scene shows its objects at their places."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
 
+from ictamp_drake.viz.drawing import to_rgb
 from ictamp_drake.viz.picture import HEIGHT, WIDTH, picture, scene_png
 from ictamp_drake.viz.raster import Camera
+from ictamp_drake.viz.reasons import MOVED, OBSTACLE, Reasons, Refusal
 from ictamp_drake.viz.stage import FIELD_OF_VIEW, viewpoint
 from tests.viz.scene import SPEC, START, swing
 
@@ -54,3 +57,47 @@ def test_the_file_is_the_picture_and_alone(image: np.ndarray, tmp_path: Path) ->
     assert [path.name for path in tmp_path.iterdir()] == ["scene.png"]
     written = matplotlib.image.imread(tmp_path / "scene.png")[..., :3]
     np.testing.assert_allclose(255 * written, image, atol=0.6)
+
+
+REASONS = Reasons(
+    "the time limit was reached",
+    (Refusal(action="pick(red_box, table)", args=("red_box", "table"), refused="9 of 9", obstacles={"blue_box": 9}),),
+)
+
+
+def test_what_was_refused_and_what_was_in_the_way_is_marked(image: np.ndarray, tmp_path: Path) -> None:
+    scene_png(SPEC, START, tmp_path / "why.png", reasons=REASONS)
+    marked = 255 * matplotlib.image.imread(tmp_path / "why.png")[..., :3]
+    assert len(marked) > HEIGHT, "there is room for words below"
+    assert marked.shape[1] == WIDTH
+    for box, color in (("red_box", MOVED), ("blue_box", OBSTACLE)):
+        np.testing.assert_allclose(
+            color_at(marked, START.poses[box][4:]), color_at(image, START.poses[box][4:]), atol=1
+        )
+        assert_near(marked, START.poses[box][4:], color)
+    np.testing.assert_allclose(color_at(marked, np.array([0.0, 0.0, 0.3])), color_at(image, np.array([0.0, 0.0, 0.3])))
+
+
+def assert_near(image: np.ndarray, p_W: np.ndarray, color: str) -> None:
+    """There are pixels of that colour within some of where a point in W [m] must appear."""
+    x, y, _ = Camera(*viewpoint(SPEC), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT).project(p_W)
+    around = image[round(y / 2) - 40 : round(y / 2) + 40, round(x / 2) - 30 : round(x / 2) + 30]
+    same = np.abs(around - 255 * np.array(to_rgb(color))).max(axis=2) < 2
+    assert same.sum() > 100
+
+
+def test_what_is_hidden_is_marked_too(tmp_path: Path) -> None:
+    eye, _ = viewpoint(SPEC)
+    red = START.poses["red_box"]
+    towards = (eye - red[4:]) / np.linalg.norm(eye - red[4:])
+    before = red + np.array([0, 0, 0, 0, *(0.2 * towards)])
+    c = replace(START, poses={"red_box": red, "blue_box": before})
+    scene_png(SPEC, c, tmp_path / "why.png", reasons=REASONS)
+    assert_near(255 * matplotlib.image.imread(tmp_path / "why.png")[..., :3], red[4:], MOVED)
+
+
+def test_things_that_are_not_in_the_scene_are_left_out(tmp_path: Path) -> None:
+    (refusal,) = REASONS.refusals
+    elsewhere = replace(refusal, args=("ghost",), obstacles={"panda_link5": 3})
+    scene_png(SPEC, START, tmp_path / "why.png", reasons=Reasons("it ended", (elsewhere,)))
+    assert (tmp_path / "why.png").exists()

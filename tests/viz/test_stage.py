@@ -1,6 +1,5 @@
 """A scene on a Meshcat server."""
 
-import re
 import socket
 from dataclasses import replace
 from urllib.parse import urlparse
@@ -10,9 +9,10 @@ import pytest
 from pydrake.geometry import Meshcat, Role
 from pydrake.math import RotationMatrix
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.scenes.spec import ArmSpec, SupportSpec
 from ictamp_drake.viz.stage import Stage, start_meshcat, viewpoint
+from tests.refusals import refusal
 from tests.viz.meshcat_page import download, objects, position
 from tests.viz.scene import SPEC, START, swing
 
@@ -32,13 +32,13 @@ def test_only_this_machine_is_answered(meshcat: Meshcat) -> None:
 
 def test_a_port_that_is_taken_is_named(meshcat: Meshcat) -> None:
     port = urlparse(meshcat.web_url()).port
-    with pytest.raises(IctampError, match=f"port {port} of localhost is taken"):
+    with refusal(Code.IN_USE, "port", value=port):
         start_meshcat(port)
 
 
 @pytest.mark.parametrize("port", [-1, 80, 65536])
 def test_a_port_that_cannot_be_is_refused(port: int) -> None:
-    with pytest.raises(IctampError, match=re.escape(f"port is {port}, but must be from 1024 to 65535")):
+    with refusal(Code.OUT_OF_RANGE, "port", value=port):
         start_meshcat(port)
 
 

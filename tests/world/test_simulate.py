@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context, EventStatus
 
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
 from ictamp_drake.models.constants import ARM_LIMITS, HOME, MAX_GRIP_FORCE
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
@@ -21,6 +21,7 @@ from ictamp_drake.world.outcome import Frame
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import FINGERS, World
+from tests.refusals import refusal
 from tests.world.scenes import RACK, SIZES, TABLE, arrange, box, build_tower, p_GO, pose, scene, stay, way
 
 OPEN = GripperCommand(0.08)
@@ -65,17 +66,17 @@ def physics() -> Physics:
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "sentence"),
+    ("name", "value", "code"),
     [
-        ("time_step", 0.0, r"physics\.time-step is 0, but must be between 1e-05 and 0\.1"),
-        ("settle_check", 0.0, r"physics\.settle-check is 0, but"),  # would wait forever
-        ("min_pad_force", 0.0, r"physics\.min-pad-force is 0, but"),  # everything would be held
-        ("arm_stiffness", (100.0, 200.0), r"physics\.arm-stiffness is \[100\.0, 200\.0\], but must be seven numbers"),
-        ("arm_damping", (-1.0,) * 7, r"physics\.arm-damping is .*, but each number must be between 0 and 1e\+09"),
+        ("time_step", 0.0, Code.OUT_OF_RANGE),
+        ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait forever
+        ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # everything would be held
+        ("arm_stiffness", (100.0, 200.0), Code.WRONG_LENGTH),
+        ("arm_damping", (-1.0,) * 7, Code.OUT_OF_RANGE),
     ],
 )
-def test_physics_that_makes_no_sense_is_refused(name: str, value: object, sentence: str) -> None:
-    with pytest.raises(IctampError, match=sentence):
+def test_physics_that_makes_no_sense_is_refused(name: str, value: object, code: Code) -> None:
+    with refusal(code, f"physics.{name.replace('_', '-')}", value=value):
         PhysicsConfig(**{name: value})
 
 

@@ -1,1 +1,1 @@
-"""Scripts that make the committed model files of the Panda; they are not installed."""
+"""Scripts that write the committed model files of the Panda. They are not installed."""

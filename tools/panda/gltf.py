@@ -1,4 +1,4 @@
-"""glTF files with their buffers inside, from meshes of one colour."""
+"""glTF files with embedded buffers, from meshes of one color."""
 
 import base64
 import json
@@ -14,14 +14,14 @@ _VERTICES, _INDICES = 34962, 34963
 
 
 def gltf(mesh: Mesh, color: Color, roughness: float) -> str:
-    """Text of a glTF 2.0 file of one mesh.
+    """Text of a glTF 2.0 file with one mesh.
 
-    glTF's y axis is up, so that Drake reads (x, z, -y) as the point (x, y, z) of a link.
+    The y axis of glTF points up, so Drake reads (x, z, -y) as the point (x, y, z) of a link.
 
     Args:
-        mesh: at most 65,536 vertices.
-        color: red, green, blue in [0, 1].
-        roughness: in [0, 1].
+        mesh: Mesh with at most 65,536 vertices.
+        color: Red, green, blue in [0, 1].
+        roughness: Roughness of the surface in [0, 1].
     """
     points = _turn_y_up(mesh.vertices, 5)
     arrays = [points, _turn_y_up(mesh.normals, 3), mesh.triangles.astype("<u2").ravel()]

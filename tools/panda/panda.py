@@ -1,4 +1,4 @@
-"""The SDF of a Franka Emika Panda with its hand, written from the published numbers."""
+"""SDF of a Franka Emika Panda with its hand, written from the published numbers."""
 
 import math
 from collections.abc import Iterable
@@ -119,6 +119,6 @@ def panda_sdf(ignored_pairs: Iterable[Pair]) -> str:
     """The model `panda`: base link panda_link0, flange frame panda_link8, frame `grasp` (G) between the pads.
 
     Args:
-        ignored_pairs: links that are never tested for collision with each other.
+        ignored_pairs: Links that are never tested for collision with each other.
     """
     return document(element("model", [*_arm(), *_hand(), *_collision_filter(ignored_pairs)], name="panda"))

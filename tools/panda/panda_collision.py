@@ -1,6 +1,6 @@
-"""Collision geometry of the Panda: primitives that hold the real links and stand out of them by less than 2 cm.
+"""Collision geometry of the Panda: primitives that contain the real links and protrude from them by less than 2 cm.
 
-Out of the hand they stand by less than 1 cm, out of the fingers by less than 5 mm; the tests measure it against meshes.
+They protrude from the hand by less than 1 cm, and from the fingers by less than 5 mm. The tests measure this on meshes.
 """
 
 import math
@@ -81,7 +81,7 @@ LINKS: dict[str, tuple[Shape, ...]] = {
         Shape("plug", "box", (0.0092, 0.0162, 0.038), (0.0, -0.0961, -0.004)),
     ),
 }
-"""The primitives of every link but the fingers."""
+"""The primitives of every link except the fingers."""
 
 FINGER: tuple[Shape, ...] = (
     Shape("rail", "box", (0.0217, 0.0246, 0.0048), (0.0, 0.0144, 0.0021)),

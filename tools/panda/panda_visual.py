@@ -1,4 +1,4 @@
-"""How the Panda looks: white moulded limbs, each a blend of domes, with dark joints, flange and fingers."""
+"""Appearance of the Panda: white molded limbs, each a blend of domes, with dark joints, flange and fingers."""
 
 import math
 from typing import NamedTuple
@@ -15,12 +15,12 @@ DARK: Color = (0.15, 0.15, 0.16)
 LIMB = 0.055
 """Radius of the upper limbs [m]."""
 RING = LIMB + 0.0012
-"""Radius of the dark discs that close them, half a millimetre beyond their flat ends [m]."""
+"""Radius of the dark disks that close them, half a millimeter beyond their flat ends [m]."""
 _ALONG_Y = (math.pi / 2, 0.0, 0.0)
 
 
 class Look(NamedTuple):
-    """A white body inside the box from `lower` to `upper` [m], triangles of side `step` [m], and coloured accents."""
+    """A white body inside the box from `lower` to `upper` [m], triangles of side `step` [m], and colored accents."""
 
     body: Distance
     lower: Vector
@@ -154,7 +154,7 @@ LINKS: dict[str, Look] = {
 
 
 def visual_files() -> dict[str, str]:
-    """Text of the glTF file of every link's body by its name."""
+    """Text of the glTF file of each link's body, by file name."""
     return {
         f"{name}.gltf": gltf(triangulate(look.body, look.lower, look.upper, look.step), WHITE, roughness=0.45)
         for name, look in LINKS.items()

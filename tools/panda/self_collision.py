@@ -1,7 +1,7 @@
-"""Which pairs of links need no collision test: `python -m tools.panda.self_collision` samples and writes them.
+"""Pairs of links that need no collision test: `python -m tools.panda.self_collision` samples and writes them.
 
-A pair is left out when it touches in nearly every configuration, so that a test says nothing, or in none of many. Pairs
-joined by a joint or a weld are left out by Drake itself.
+A pair is left out when it touches in nearly every configuration, so that a test says nothing, or in none of many. Drake
+itself leaves out pairs joined by a joint or a weld.
 """
 
 from collections import Counter
@@ -24,14 +24,14 @@ FILE = Path(__file__).parent / "self_collision.yaml"
 SAMPLES = 100_000
 SEED = 0
 ALWAYS = 0.95
-"""Share of the configurations from which on a pair counts as touching always."""
+"""Share of configurations above which a pair counts as always touching."""
 
 FINGERS: Pair = ("panda_leftfinger", "panda_rightfinger")
-"""They meet only where their joints' limits stop them."""
+"""Fingers, which meet only where the limits of their joints stop them."""
 
 
 class Probe:
-    """A Panda alone in the world, asked which of its links touch."""
+    """A Panda alone in the world, to find which of its links touch."""
 
     def __init__(self, sdf: str) -> None:
         builder = DiagramBuilder()
@@ -59,14 +59,14 @@ class Probe:
         return first, second
 
     def random_positions(self, rng: np.random.Generator) -> FloatArray:
-        """Joint positions drawn evenly within the limits, both fingers alike, shape (9,)."""
+        """Random joint positions, uniform within the limits, with both fingers alike, shape (9,)."""
         q = rng.uniform(self.plant.GetPositionLowerLimits(), self.plant.GetPositionUpperLimits())
         q[8] = q[7]
         return np.asarray(q)
 
 
 def shares(sdf: str, samples: int, seed: int) -> dict[Pair, float]:
-    """Share of random configurations in which each pair of links touches, every pair named."""
+    """Share of random configurations in which each pair of links touches. Every pair has an entry."""
     probe, rng = Probe(sdf), np.random.default_rng(seed)
     counts: Counter[Pair] = Counter()
     for _ in range(samples):
@@ -80,7 +80,7 @@ def _pair(key: str) -> Pair:
 
 
 def ignored_pairs() -> tuple[Pair, ...]:
-    """The pairs that were found to need no test, in alphabetical order."""
+    """Pairs that need no test, in alphabetical order."""
     found = yaml.safe_load(FILE.read_text())["shares"]
     pairs = {_pair(key) for key, share in found.items() if share == 0.0 or share >= ALWAYS}
     return tuple(sorted(pairs | {FINGERS}))

@@ -1,7 +1,7 @@
-"""Smooth bodies as signed distance functions, and triangles on their surface.
+"""Smooth bodies as signed distance functions, and triangles on their surfaces.
 
 A function takes points, shape (n, 3) [m], and returns signed distances, shape (n,) [m], negative inside. Blending and
-cutting with a radius leaves no sharp edge, as on a moulded shell.
+cutting with a radius leaves no sharp edges, as on a molded shell.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ _PROJECTION_STEPS = 6
 
 
 class Mesh(NamedTuple):
-    """Triangles: vertices (n, 3) [m], unit normals (n, 3), triangles (m, 3) as indices of vertices."""
+    """A triangle mesh: vertices (n, 3) [m], unit normals (n, 3), triangles (m, 3) as indices of vertices."""
 
     vertices: FloatArray
     normals: FloatArray
@@ -26,7 +26,7 @@ class Mesh(NamedTuple):
 
 
 def dome(base: Vector, tip: Vector, radius: float, edge: float = 0.004) -> Distance:
-    """A round limb, flat at its base and a half sphere at its tip; `edge` is the radius of the rim at the base [m]."""
+    """A round limb, flat at its base and a hemisphere at its tip. `edge` is the radius of the rim at the base [m]."""
     start, end = np.array(base), np.array(tip)
     length = float(np.linalg.norm(end - start))
     axis = (end - start) / length
@@ -82,16 +82,16 @@ def blend(parts: tuple[Distance, ...], radius: float) -> Distance:
 
 
 def intersect(a: FloatArray, b: FloatArray, radius: float) -> FloatArray:
-    """The greater of two distances, rounded off where they differ by less than `radius` [m]."""
+    """The larger of two distances, rounded off where they differ by less than `radius` [m]."""
     overlap = np.maximum(radius - np.abs(a - b), 0.0)
     return np.asarray(np.maximum(a, b) + overlap * overlap / (4.0 * radius))
 
 
 def triangulate(distance: Distance, lower: Vector, upper: Vector, step: float) -> Mesh:
-    """Triangles on the surface inside the box from `lower` to `upper`, one vertex a cell of side `step` [m].
+    """Triangles on the surface inside the box from `lower` to `upper`, one vertex per cell of side `step` [m].
 
-    Dual contouring without edges to preserve: the vertex of a cell that the surface crosses is the cell's centre moved
-    onto the surface along the gradient, and every crossed grid line joins the vertices of its four cells.
+    The method is dual contouring without edges to preserve. The vertex of a cell that the surface crosses is the cell's
+    center moved onto the surface along the gradient. Every crossed grid line joins the vertices of its four cells.
     """
     axes = [np.arange(low - 1.5 * step, high + 2.5 * step, step) for low, high in zip(lower, upper, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)

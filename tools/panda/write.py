@@ -1,7 +1,7 @@
 """Write the model files of the package: `python -m tools.panda.write`.
 
-Size, mass, friction and color of boxes and supports are those that their files have already. To change one, change it
-in the file's solid shape, its `mass`, its `mu_static` or its last visual, and run this: the rest follows.
+Size, mass, friction and color of boxes and supports are taken from their existing files. To change one, edit the file's
+solid shape, its `mass`, its `mu_static` or its last visual, and run this script. The rest follows.
 """
 
 from ictamp_drake.models import shapes
@@ -12,7 +12,7 @@ from tools.panda.self_collision import ignored_pairs
 
 
 def contents() -> dict[str, str]:
-    """Text of every file in `sdf/` by its name."""
+    """Text of every file in `sdf/`, by file name."""
     boxes = {f"{name}.sdf": shapes.box_sdf(name, *read_thing(name)) for name in BOXES}
     supports = {
         "table.sdf": shapes.table_sdf("table", read_thing("table").size),
@@ -22,7 +22,7 @@ def contents() -> dict[str, str]:
 
 
 def main() -> None:
-    """Write every file anew."""
+    """Write all files anew."""
     FOLDER.mkdir(exist_ok=True)
     for name, text in contents().items():
         (FOLDER / name).write_text(text)

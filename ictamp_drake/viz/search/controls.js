@@ -133,5 +133,9 @@ viewer.gui.domElement.style.display = "none";
 viewer.camera.zoom = ZOOM;
 new ResizeObserver(() => viewer.set_3d_pane_size()).observe(by_id("meshcat-pane"));
 addEventListener("resize", fit);
+show_reasons();
 fit();
 go_to(log.length);
+if (reasons.refusals.length) {
+  choose_refusal(0);
+}

@@ -1,5 +1,5 @@
 // The page of a search. What can be chosen is a step, by its place in the log, or null for the root.
-const {tree, layout, attempts, failures, scene} = record;
+const {tree, layout, attempts, failures, scene, reasons} = record;
 const log = tree.log;
 const verdicts = new Map(tree.candidates.map(({node, verified}) => [node, verified]));
 const step_to = [null];  // for each node the step that led to it

@@ -1,0 +1,64 @@
+"""Why there is no plan, as pages and pictures show it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ictamp_drake.viz.layout import REFUSED
+
+MOVED, OBSTACLE, WHERE = REFUSED, "#e07b00", "#2f6fd0"
+"""Colors of an object that could not be moved, of what stood in its way, and of where it stands or was to go."""
+
+SHOWN = 4
+"""Refused actions, and obstacles of each, that are named in words and marked in pictures."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refusal:
+    """An action that never succeeded.
+
+    Attributes:
+        action: The action, e.g. "pick(red_box, rack)".
+        args: What it is about, the object that it moves first.
+        refused: How often and for what cause, e.g. "30 of 30 grasps: grasp or placement in collision".
+        obstacles: How often each thing was in the way, the most frequent first.
+        advice: What would help.
+    """
+
+    action: str
+    args: tuple[str, ...]
+    refused: str
+    obstacles: Mapping[str, int] = field(default_factory=dict)
+    advice: str = ""
+
+    @property
+    def colors(self) -> dict[str, str]:
+        """The color that marks each thing; the place of the object only where nothing else explains the refusals."""
+        moved, *where = self.args
+        obstacles = list(self.obstacles)[:SHOWN]
+        others = dict.fromkeys(obstacles, OBSTACLE) if obstacles else dict.fromkeys(where, WHERE)
+        return {**others, moved: MOVED}
+
+
+@dataclass(frozen=True)
+class Reasons:
+    """Why a search found no plan.
+
+    Attributes:
+        ended: Why it ended, as a clause; empty when it found a plan.
+        refusals: Actions that never succeeded, the most often tried first.
+        remarks: What else there is to say, a clause each.
+    """
+
+    ended: str = ""
+    refusals: tuple[Refusal, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def colors(self) -> dict[str, str]:
+        """The color that marks each thing in one picture; what could not be moved counts before what was in the way."""
+        colors = [item for refusal in self.refusals[:SHOWN] for item in refusal.colors.items()]
+        return {name: color for role in (WHERE, OBSTACLE, MOVED) for name, color in colors if color == role}
+
+
+NO_REASONS = Reasons()
+"""Those of a search that found a plan."""
