@@ -12,8 +12,10 @@
 These names are for users; `ictamp_drake.plugins` is for authors of samplers, estimators, rules and skills.
 """
 
-from importlib import import_module, metadata
+from importlib import metadata
 from typing import TYPE_CHECKING, Any
+
+from ictamp_drake.core.lazy import import_lazily
 
 if TYPE_CHECKING:
     from ictamp_drake.core.errors import IctampError
@@ -66,15 +68,11 @@ _HOMES = {
 """Where each public name is defined. It is imported when it is first used, since Drake and torch take a second."""
 
 
+_import = import_lazily(__name__, globals(), _HOMES)
+
+
 def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        return metadata.version("ictamp_drake")
-    if name not in _HOMES:
-        raise AttributeError(f"module 'ictamp_drake' has no attribute {name!r}")
-    module, _, attribute = _HOMES[name].partition(":")
-    value = getattr(import_module(f"ictamp_drake.{module}"), attribute)
-    globals()[name] = value
-    return value
+    return metadata.version("ictamp_drake") if name == "__version__" else _import(name)
 
 
 def __dir__() -> list[str]:

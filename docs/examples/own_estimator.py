@@ -6,11 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ictamp_drake.core.types import Configuration, FloatArray, Skeleton
-from ictamp_drake.estimators.context import EstimatorContext
-from ictamp_drake.tamp.method import Method
-from ictamp_drake.tamp.solve import solve
-from ictamp_drake.tamp.task import load
+import ictamp_drake as ict
+from ictamp_drake.plugins import Configuration, EstimatorContext, FloatArray, Skeleton
 
 
 @dataclass(frozen=True)
@@ -49,9 +46,9 @@ class Room:
 
 
 def main() -> None:
-    method = Method(sampler="optimization", time_limit=250)
-    task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    result = solve(task, method, estimator=RoomConfig()).result
+    method = ict.Method(sampler="optimization", time_limit=250)
+    task = ict.load(Path(__file__).with_name("own_scene.yaml"), method)
+    result = ict.solve(task, method, estimator=RoomConfig()).result
     assert result.solved, result.stop_reason
 
     tree = result.tree

@@ -6,13 +6,8 @@ from typing import Generic
 
 import numpy as np
 
-from ictamp_drake.core.protocols import RuleContext
-from ictamp_drake.core.types import C
-from ictamp_drake.planning.rule import OpenPlan, Option
-from ictamp_drake.planning.tree import Tree
-from ictamp_drake.tamp.method import Method
-from ictamp_drake.tamp.solve import solve
-from ictamp_drake.tamp.task import load
+import ictamp_drake as ict
+from ictamp_drake.plugins import C, OpenPlan, Option, RuleContext, Tree
 
 
 @dataclass(frozen=True)
@@ -46,9 +41,9 @@ class Patient(Generic[C]):
 
 
 def main() -> None:
-    method = Method(sampler="optimization", estimator="constant", time_limit=250)
-    task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    result = solve(task, method, planner=PatientConfig(patience=2)).result
+    method = ict.Method(sampler="optimization", estimator="constant", time_limit=250)
+    task = ict.load(Path(__file__).with_name("own_scene.yaml"), method)
+    result = ict.solve(task, method, planner=PatientConfig(patience=2)).result
 
     assert result.solved, result.stop_reason
     print(result.tree.summary())

@@ -6,12 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ictamp_drake.core.types import Action, Configuration, Parameter
-from ictamp_drake.skills.context import SamplerContext
-from ictamp_drake.tamp.method import Method
-from ictamp_drake.tamp.solve import solve
-from ictamp_drake.tamp.task import load
-from ictamp_drake.world.world import World
+import ictamp_drake as ict
+from ictamp_drake.plugins import Action, Configuration, Parameter, SamplerContext, World
 
 BELOW_TOP = 0.02  # of the grasp [m]
 SPREAD = 0.03  # standard deviation of placements [m]
@@ -33,7 +29,7 @@ class Central:
         self._world = world
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
-        """Any number of k = (x, y, z, yaw): see `core.types.Parameter` for the frames."""
+        """Any number of k = (x, y, z, yaw): see `plugins.Parameter` for the frames."""
         box, place = action.args
         while True:
             yaw = rng.integers(4) * np.pi / 2
@@ -45,9 +41,9 @@ class Central:
 
 
 def main() -> None:
-    method = Method(estimator="constant", time_limit=250)
-    task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    solution = solve(task, method, sampler=CentralConfig())
+    method = ict.Method(estimator="constant", time_limit=250)
+    task = ict.load(Path(__file__).with_name("own_scene.yaml"), method)
+    solution = ict.solve(task, method, sampler=CentralConfig())
 
     assert solution.result.plan is not None, solution.result.stop_reason
     for attempt in solution.result.plan:

@@ -5,16 +5,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ictamp_drake.core.types import Action, Configuration, Motion, Parameter
-from ictamp_drake.motion.planner import MotionPlanner, Refusal
-from ictamp_drake.skills.base import imagine
-from ictamp_drake.skills.config import PickConfig, SkillsConfig
-from ictamp_drake.skills.context import SkillContext
-from ictamp_drake.skills.geometry import raise_pose
-from ictamp_drake.skills.pick import Pick
-from ictamp_drake.tamp.method import Method
-from ictamp_drake.tamp.solve import solve
-from ictamp_drake.tamp.task import load
+import ictamp_drake as ict
+from ictamp_drake.plugins import (
+    Action,
+    Configuration,
+    Motion,
+    MotionPlanner,
+    Parameter,
+    Pick,
+    PickConfig,
+    Refusal,
+    SkillContext,
+    SkillsConfig,
+    imagine,
+    raise_pose,
+)
 
 
 @dataclass(frozen=True)
@@ -63,9 +68,9 @@ class ProvenPick:
 
 
 def main() -> None:
-    method = Method(sampler="optimization", estimator="constant", time_limit=250)
-    task = load(Path(__file__).with_name("own_scene.yaml"), method)
-    result = solve(task, method, skills=SkillsConfig(pick=ProvenPickConfig())).result
+    method = ict.Method(sampler="optimization", estimator="constant", time_limit=250)
+    task = ict.load(Path(__file__).with_name("own_scene.yaml"), method)
+    result = ict.solve(task, method, skills=SkillsConfig(pick=ProvenPickConfig())).result
 
     assert result.plan is not None, result.stop_reason
     for attempt in result.plan:

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module, metadata
-from multiprocessing import parent_process
+from multiprocessing import current_process
 from typing import Any, TypeVar
 
 from ictamp_drake.core.checks import check_choice
@@ -90,7 +90,7 @@ def _load_all() -> dict[str, dict[str, object]]:
             try:
                 found[option][point.name] = point.load()
             except Exception as error:
-                if parent_process() is None:  # workers keep quiet
+                if current_process().name == "MainProcess":  # workers keep quiet
                     print(f"{option} {point.name} cannot be imported and is left out: {_say(error)}", file=sys.stderr)
     return found
 

@@ -17,10 +17,12 @@ import re
 import runpy
 import shlex
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tyro
 import yaml
@@ -28,6 +30,7 @@ import yaml
 import ictamp_drake as ict
 from ictamp_drake import cli
 from ictamp_drake.experiments.strategies import methods
+from ictamp_drake.skills.config import OptimizationConfig
 
 ROOT = Path(__file__).parents[2]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
@@ -146,6 +149,25 @@ def test_the_scene_and_the_snippet_of_the_readme_run(
     assert yaml.safe_load((tmp_path / "plan.yaml").read_text(encoding="utf-8"))["skeleton"] == list(
         map(str, plan.actions)
     )
+
+
+@pytest.mark.slow
+def test_the_snippets_of_other_pages_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All but the files of docs/examples, which run as programs; what a snippet takes from its reader is given here."""
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(find_blocks(ROOT / "README.md", "yaml")[0], encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    snippets = [body for page in PAGES[1:] for body in find_blocks(page, "python") if not body.startswith('"""')]
+    assert len(snippets) == 2
+    for snippet in snippets:
+        task, X_WO = ict.load(scene), np.array([1.0, 0.0, 0.0, 0.0, 0.45, 0.2, 0.059])
+        exec(snippet, {"ict": ict, "task": task, "X_WO": X_WO, "MySampler": OptimizationConfig})
+
+
+def test_other_blocks_can_be_read() -> None:
+    assert [tomllib.loads(body) for page in PAGES for body in find_blocks(page, "toml")]
+    languages = {language for page in PAGES for language, _ in BLOCK.findall(page.read_text(encoding="utf-8"))}
+    assert languages == {"", "python", "yaml", "toml", "bibtex"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -1,5 +1,6 @@
 """Each example of docs/extending.md runs, and the page shows it unchanged."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -26,3 +27,9 @@ def test_the_example_keeps_its_promises(program: Path, tmp_path: Path) -> None:
 def test_the_page_shows_the_file_as_it_is(file: Path) -> None:
     block = f"```{LANGUAGES[file.suffix]}\n{file.read_text()}```\n"
     assert block in PAGE.read_text(), f"the block of {file.name} in {PAGE.name} differs from the file"
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_the_example_needs_the_promised_names_only(program: Path) -> None:
+    imported = re.findall(r"^(?:from|import) (ictamp_drake\S*)", program.read_text(), re.MULTILINE)
+    assert set(imported) <= {"ictamp_drake", "ictamp_drake.plugins"}

@@ -155,6 +155,14 @@ def test_a_single_problem_needs_few_columns(browser: Chromium, tmp_path: Path) -
     assert browser.run("by_id('level').getClientRects().length") == 0
 
 
+def test_a_run_that_has_just_begun_has_a_page(browser: Chromium, tmp_path: Path) -> None:
+    index_html("none", [], 7, tmp_path / "index.html")
+    read(browser, (tmp_path / "index.html").as_uri())
+    assert shown(browser) == []
+    assert "7 to do" in browser.run("by_id('summary').textContent")
+    assert browser.run("by_id('none').getClientRects().length") == 1
+
+
 def test_many_problems_open_at_once_and_pictures_only_when_they_are_seen(browser: Chromium, tmp_path: Path) -> None:
     Image.new("RGB", (8, 6)).save(tmp_path / "scene.png")
     entries = [
