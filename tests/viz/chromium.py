@@ -1,4 +1,4 @@
-"""A headless Chromium, spoken to over pipes in its DevTools protocol: open a page, run JavaScript, take pictures."""
+"""A headless Chromium, controlled over pipes by its DevTools protocol: open a page, run JavaScript, take pictures."""
 
 import base64
 import io
@@ -95,7 +95,7 @@ class Chromium:
         self._call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def prefer(self, scheme: str) -> None:
-        """Show pages to somebody who prefers light or dark ones."""
+        """Show pages in the preferred color scheme, light or dark."""
         self._call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def click(self, x: float, y: float) -> None:

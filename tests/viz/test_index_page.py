@@ -27,7 +27,7 @@ ENTRIES = (
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page, with a picture and a replay of each problem."""
+    """Page with a picture and a replay of each problem."""
     folder = tmp_path_factory.mktemp("run $1")
     entries = []
     for entry in ENTRIES:
@@ -49,7 +49,7 @@ def browser(chromium: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 
 def read(browser: Chromium, url: str) -> None:
-    """Open a page as one who comes for the first time."""
+    """Open a page like a first-time visitor."""
     browser.open("about:blank")
     browser.open(url)
     browser.wait_until(f"location.href === {url!r} && document.readyState === 'complete'")

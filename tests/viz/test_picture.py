@@ -79,7 +79,7 @@ def test_what_was_refused_and_what_was_in_the_way_is_marked(image: np.ndarray, t
 
 
 def assert_near(image: np.ndarray, p_W: np.ndarray, color: str) -> None:
-    """There are pixels of that colour within some of where a point in W [m] must appear."""
+    """Assert that pixels of the color exist near the place where a point in W [m] must appear."""
     x, y, _ = Camera(*viewpoint(SPEC), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT).project(p_W)
     around = image[round(y / 2) - 40 : round(y / 2) + 40, round(x / 2) - 30 : round(x / 2) + 30]
     same = np.abs(around - 255 * np.array(to_rgb(color))).max(axis=2) < 2

@@ -69,8 +69,8 @@ def physics() -> Physics:
     ("name", "value", "code"),
     [
         ("time_step", 0.0, Code.OUT_OF_RANGE),
-        ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait for ever
-        ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # all that is there would be held
+        ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait forever
+        ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # everything would be held
         ("arm_stiffness", (100.0, 200.0), Code.WRONG_LENGTH),
         ("arm_damping", (-1.0,) * 7, Code.OUT_OF_RANGE),
     ],
