@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip
 HAS_GLIB = $(BIN)/python -c 'import ctypes; ctypes.CDLL("libglib-2.0.so.0")' 2>/dev/null
 HAS_CHROMIUM = command -v chromium || command -v chromium-browser || command -v google-chrome
 
-.PHONY: help install install-test packing test check lint types dependencies contracts format wheel constraints clean
+.PHONY: help install install-test packing test check lint prose types dependencies contracts format wheel constraints clean
 
 help:  ## say what there is
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile
@@ -23,11 +23,15 @@ test: install-test  ## run the tests, all but those of the built wheel
 	@$(HAS_CHROMIUM) >/dev/null || scripts/apt_install.sh chromium "No Chromium for the tests of the replay page." || true
 	$(BIN)/python -m pytest -n $(WORKERS) -m "not wheel" $(ARGS)
 
-check: lint types dependencies contracts  ## lint, types, dependencies and contracts, one after the other
+check: lint prose types dependencies contracts  ## lint, prose, types, dependencies and contracts, one after the other
 
 lint: install-test  ## style and format of the code
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+prose: install-test  ## spelling, and docstrings that stand alone
+	$(BIN)/codespell
+	$(BIN)/python scripts/check_prose.py
 
 types: install-test  ## the type checker
 	$(BIN)/mypy

@@ -95,7 +95,7 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
 
 @dataclass(frozen=True)
 class _Metadata:
-    """What a file says of its numbers."""
+    """Meaning of a file's numbers."""
 
     kind: str
     skill: str

@@ -1,4 +1,4 @@
-"""How far the hand and the held box keep from every object at k, by the separating axis theorem.
+"""Clearance of the hand and the held box from every object at k, by the separating axis theorem.
 
 Hand and box come down to k from above, so what counts is the free space beside or below each of them. Everything is
 seen in the frame at k, whose z axis points up, and taken for upright boxes.

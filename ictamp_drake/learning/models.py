@@ -118,7 +118,7 @@ def _version(path: Path) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class _Networks:
-    """What a checkpoint of the kinds policy and estimator says of its networks."""
+    """Description of the networks in a checkpoint of the kinds policy and estimator."""
 
     policy: PolicyNetworkConfig
     critic: NetworkConfig

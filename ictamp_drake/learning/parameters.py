@@ -69,7 +69,7 @@ def wrap_angle(angle: Tensor) -> Tensor:
 
 
 def features(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
-    """What is to be known of k itself, shape (n, 8, D), (n, 4) -> (n, 24).
+    """Features of k itself, shape (n, 8, D), (n, 4) -> (n, 24).
 
     u; the position, and the distances to the target's faces, in a scale that is fine near zero, where a millimetre
     decides; yaw, and yaw against the directions of a box's faces; and where the hand is as seen from the arm's base.
@@ -87,7 +87,7 @@ def _fine(distance: Tensor, scale: float) -> Tensor:
 
 
 def _margins(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
-    """How far the box stands out of the open fingers, and out of them if they were in its middle (pick).
+    """Overhang of the box beyond the open fingers, as grasped and if grasped in its middle (pick).
 
     Or how far it stands out of the receptacle's top face along its x and y axes (place); shape (n, 2) [m].
     """
@@ -104,7 +104,7 @@ def _margins(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
 
 
 def _reach(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
-    """Of G: position in B, horizontal distance from the base, and heading against the way to it, shape (n, 6)."""
+    """Reach of G: position in B, horizontal distance from the base, heading relative to it, shape (n, 6)."""
     row = matrix[:, 0 if skill == "pick" else 2]
     hand = _hand(skill, matrix)
     p_K = _turn_about_z(hand.position, k[:, 3]) + k[:, :3]
@@ -160,12 +160,12 @@ def axes(pose: Tensor) -> Tensor:
 
 
 def network_inputs(skill: str, matrix: Tensor, k: Tensor) -> tuple[Tensor, Tensor]:
-    """What a network is given that sees k too: rows, (n, 8, D + SEEN), and numbers of k itself, (n, FEATURES)."""
+    """Inputs of a network that sees k: rows, (n, 8, D + SEEN), and features of k, (n, FEATURES)."""
     return torch.cat([scale_rows(matrix), objects_seen_from(skill, matrix, k)], dim=-1), features(skill, matrix, k)
 
 
 def blind_network_inputs(skill: str, matrix: Tensor) -> tuple[Tensor, Tensor]:
-    """What a network is given that sees no k: the matrix, and what there is to see from the middle of the target.
+    """Inputs of a network that does not see k: the matrix, and the view from the middle of the target.
 
     With the hand along the target and across it; rows, (n, 8, D + 2 SEEN), and numbers, (n, 2 FEATURES).
     """

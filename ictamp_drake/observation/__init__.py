@@ -1,1 +1,1 @@
-"""What networks see of a configuration and an action; without Drake."""
+"""The networks' view of a configuration and an action, without Drake."""

@@ -21,8 +21,8 @@ class Steps(NamedTuple):
 
     Attributes:
         picks: True for a pick, False for a placement, shape (n,).
-        box: the action's box, shape (n,).
-        place: what it stands on or is put on, shape (n,).
+        box: Box of the action, shape (n,).
+        place: Support or box that it stands on or is put on, shape (n,).
     """
 
     picks: NDArray[np.bool_]
@@ -34,11 +34,11 @@ class Situations(NamedTuple):
     """All m objects, boxes and then supports, and the hand, n times.
 
     Attributes:
-        X_BU: poses of the objects' upright frames in the arm's base frame, shape (n, m, 4, 4).
-        sizes: along U's axes, shape (n, m, 3) [m].
-        tipped: whether a box does not stand on the face it was specified with, shape (n, m).
-        X_BG: of the hand, shape (n, 4, 4).
-        held: number of the held box, shape (n,).
+        X_BU: Poses of the objects' upright frames in the arm's base frame, shape (n, m, 4, 4).
+        sizes: Sides along U's axes, shape (n, m, 3) [m].
+        tipped: Whether a box does not stand on the face it was specified with, shape (n, m).
+        X_BG: Pose of the hand in the arm's base frame, shape (n, 4, 4).
+        held: Number of the held box, shape (n,).
     """
 
     X_BU: FloatArray
@@ -64,14 +64,14 @@ class Situations(NamedTuple):
         return np.where(steps.picks[:, None, None], grasped, self.tops(steps.place))
 
     def predict_after(self, steps: Steps, k: FloatArray, moved: FloatArray) -> "Situations":
-        """What the actions would leave; all objects but the action's box stay.
+        """Imagine the situations after the actions; all objects but the action's box stay.
 
         The hand is where it lifted the box to, or where it let go of it: its retreat makes no difference, since an
         empty hand is not seen.
 
         Args:
-            steps: the actions.
-            k: their parameters, shape (n, 4).
+            steps: Actions.
+            k: Parameters of the actions, shape (n, 4).
             moved: (x, y, z, yaw) of U of the action's box afterwards in the target frame K, shape (n, 4) [m, rad].
         """
         picks, box, _ = steps

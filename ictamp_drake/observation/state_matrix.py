@@ -33,7 +33,7 @@ class Column:
     """A column of the matrix.
 
     Attributes:
-        name: e.g. target_x.
+        name: Name, e.g. target_x.
         unit: Unit of the value.
         scale: Value that networks take for 1.
     """
@@ -55,7 +55,7 @@ def _sides(kind: str, scale: float) -> tuple[Column, ...]:
 
 @dataclass(frozen=True)
 class Schema:
-    """What the numbers of a matrix mean; belongs into the metadata of all that was trained on it.
+    """Meaning of the numbers of a matrix; part of the metadata of everything that was trained on it.
 
     Columns: `base_*`, pose of U in the arm's base frame B. `target_*`, pose of U in K. `box_*`, sides along U's axes,
     zero for supports. `support_*`, sides of a support (its U is parallel to T, in its middle), zero for boxes. `is_*`
@@ -78,11 +78,11 @@ class Schema:
         return {column.name: index for index, column in enumerate(self.columns)}
 
     def index(self, name: str) -> int:
-        """Where the column of that name is."""
+        """Index of the column of that name."""
         return self._places[name]
 
     def group(self, prefix: str) -> slice:
-        """Where the neighbouring columns are whose names begin so, e.g. "target"."""
+        """Slice of the adjacent columns whose names begin with a prefix, e.g. "target"."""
         found = [index for index, column in enumerate(self.columns) if column.name.split("_")[0] == prefix]
         return slice(found[0], found[-1] + 1)
 
@@ -121,7 +121,7 @@ class Observation(NamedTuple):
     """Primitive state matrices.
 
     Attributes:
-        matrix: shape (..., 8, D), in the units of `SCHEMA`.
+        matrix: Numbers, shape (..., 8, D), in the units of `SCHEMA`.
         mask: True where a row holds an object, shape (..., 8).
     """
 
@@ -155,7 +155,7 @@ class Observer:
         return self.see(self.situations([c for c, _ in options]), self.steps([action for _, action in options]))
 
     def situations(self, configurations: Sequence[Configuration]) -> Situations:
-        """Where all objects and the hand are in each configuration."""
+        """Poses of all objects and of the hand in each configuration."""
         distinct = {c: number for number, c in enumerate(dict.fromkeys(configurations))}
         poses = np.array([[c.poses[name] for name in self._boxes] for c in distinct])
         X_WU, sizes, upright = upright_frames(to_matrices(poses), self._sizes)
@@ -180,8 +180,8 @@ class Observer:
         How far it is tilted against K is left out.
 
         Args:
-            options: n of them.
-            X_WO: shape (n, 7).
+            options: Configurations and actions, n of them.
+            X_WO: Poses of the action's boxes afterwards, shape (n, 7).
 
         Returns:
             Shape (n, 4) [m, rad].

@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Work:
-    """What a program is to do.
+    """Work of a program.
 
     Attributes:
         name: Name of the run's folder.
@@ -79,7 +79,7 @@ def run(work: Work, console: Console) -> int:
 
 
 def _records(work: Work, folder: Path) -> dict[str, Record]:
-    """What is known of the jobs, in their order."""
+    """Records of the jobs so far, in the order of the jobs."""
     records = read_records(folder / RESULTS)
     return {job.name: records[job.name] for job in work.jobs if job.name in records}
 
@@ -104,7 +104,7 @@ def _sweep(work: Work, folder: Path, todo: Sequence[Job], console: Console, inde
 
 
 def _effort(seconds: float, planning: float, workers: int) -> str:
-    """What a run took; the share tells what the harness and the artefacts cost."""
+    """Duration of a run, and the share of it that went into planning; the rest is harness and artefacts."""
     text = f"{format_clock(seconds)} for {planning:.0f} s of planning"
     if workers:
         text += f", {100 * planning / seconds / workers:.1f} % of the time of {format_count(workers, 'worker')}"
@@ -127,5 +127,5 @@ def _print_where(console: Console, work: Work, index: Index, records: Mapping[st
 
 
 def _pattern(names: Sequence[str]) -> str:
-    """That of their folders, with as many stars as a name has parts; of one its name."""
+    """Pattern of their folders, with one star per part of a name; a single job has its name."""
     return names[0] if len(names) == 1 else "/".join("*" for _ in names[0].split("/"))

@@ -50,7 +50,7 @@ def picture(spec: SceneSpec, c: Configuration, stage: Stage | None = None) -> np
 
 
 def _silhouettes(spec: SceneSpec, c: Configuration, stage: Stage, names: Iterable[str]) -> dict[str, NDArray[np.bool_]]:
-    """Where each of these boxes and supports is in the picture, as if nothing else were there."""
+    """Silhouettes of these boxes and supports in the picture, as if nothing else were there."""
     query = stage.shapes(c)
     parts: dict[str, list[FloatArray]] = {name: [] for name in names}
     for geometry in _visible(query):

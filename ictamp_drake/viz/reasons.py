@@ -1,4 +1,4 @@
-"""Why there is no plan, as pages and pictures show it."""
+"""Reasons why there is no plan, as pages and pictures show them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ class Refusal:
 
 @dataclass(frozen=True)
 class Reasons:
-    """Why a search found no plan.
+    """Reasons why a search found no plan.
 
     Attributes:
         ended: Reason why the search ended, as a clause; empty when it found a plan.
