@@ -1,4 +1,4 @@
-"""What all tests share: one thread a process, the same examples every time, and a browser."""
+"""Common setup of all tests: one thread per process, the same hypothesis examples every time, and a browser."""
 
 import os
 import shutil
@@ -17,7 +17,7 @@ settings.load_profile("project")
 
 @pytest.fixture(scope="session")
 def chromium() -> str:
-    """Path of a Chromium; the test is skipped where there is none (`make test` installs it where it may)."""
+    """Path of a Chromium. The test is skipped if there is none (`make test` installs it where possible)."""
     found = filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
     path = next(found, None)
     if path is None:

@@ -1,4 +1,4 @@
-"""What tests ask of an error: its code, place and value, never its sentence; `core/test_wording.py` has these."""
+"""Checks of an error's code, place and value, but not of its sentence, which is in `core/test_wording.py`."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +13,7 @@ from ictamp_drake.core.errors import Code, IctampError
 
 @contextmanager
 def refusal(code: Code, field: str | None = None, *, file: Path | str | None = None, **values: Any) -> Iterator[None]:
-    """Expect an error with a code and, where given, a field, a file, a line, a value or choices."""
+    """Expect an error with a code and, if given, a field, a file, a line, a value or choices."""
     with pytest.raises(IctampError) as caught:
         yield
     error = caught.value

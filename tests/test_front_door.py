@@ -1,4 +1,4 @@
-"""The names that users are promised: from a scene to a plan, and what is observed before planning."""
+"""The public names: from a scene to a plan, and observations before planning."""
 
 import subprocess
 import sys
@@ -109,7 +109,7 @@ def test_a_scene_made_in_python_is_loaded(task: ict.Task) -> None:
 def test_poses_of_a_camera_are_set_down(task: ict.Task) -> None:
     name = next(iter(task.spec.boxes))
     X_WO = task.spec.boxes[name].X_WO
-    seen = X_WO + [0, 0, 0, 0, 0.01, -0.02, 0.004]  # beside where the scene says, and 4 mm above the table
+    seen = X_WO + [0, 0, 0, 0, 0.01, -0.02, 0.004]  # beside its place in the scene, and 4 mm above the table
     c = ict.load(task.spec, start=ict.Start(poses={name: seen})).c
     np.testing.assert_allclose(c.poses[name][4:], X_WO[4:] + [0.01, -0.02, 0.0], atol=1e-3)
     tilted = RigidTransform(RollPitchYaw(0.03, -0.02, 0.4), X_WO[4:] - [0, 0, 0.003])
@@ -136,7 +136,7 @@ def test_a_start_that_cannot_be_is_refused(task: ict.Task, start: ict.Start) -> 
 
 
 def test_planning_goes_on_with_what_is_held(plan: ict.Plan, tmp_path: Path) -> None:
-    """The first skill of a plan picks a box; planning again from there, as observed, needs one skill less."""
+    """The first skill of a plan picks a box; planning again from the observed start then needs one skill less."""
     c = plan.attempts[0].successor
     assert c is not None
     assert c.held
@@ -146,7 +146,7 @@ def test_planning_goes_on_with_what_is_held(plan: ict.Plan, tmp_path: Path) -> N
     solution = ict.solve(task, time_limit=250)
     assert solution.plan is not None
     assert solution.plan.actions == plan.actions[1:]
-    # The scene says so itself, in its file, too.
+    # The scene itself says so, also in its file.
     save_scene(task.spec, tmp_path / "scene.yaml")
     assert ict.load(tmp_path / "scene.yaml").c == task.c
 

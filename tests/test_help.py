@@ -1,4 +1,4 @@
-"""The help of a program comes at once: what it describes loads neither Drake nor torch."""
+"""The help of a program appears at once: it loads neither Drake nor torch."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Files that earlier versions wrote are still read: those in the repository, and a plan of format 1."""
+"""Files from earlier versions can still be read: those in the repository, and a plan of format 1."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The pins hold, and the built wheel is whole: it is installed on its own and used far from the checkout."""
+"""The pins hold, and the built wheel is complete: it is installed alone and used far from the checkout."""
 
 import os
 import re
@@ -28,7 +28,7 @@ def pins() -> dict[str, str]:
 
 
 def needed_packages(requirements: Iterable[str], seen: set[str]) -> Iterator[str]:
-    """Names of the requirements that apply here and of all they need, except what torch brings for itself."""
+    """Names of the requirements that apply here and of their dependencies, except those that only torch needs."""
     for requirement in map(Requirement, requirements):
         name = canonicalize_name(requirement.name)
         if name in seen or (requirement.marker and not requirement.marker.evaluate({"extra": ""})):
@@ -61,7 +61,7 @@ def run(*command: str | Path, cwd: Path, **environment: str) -> str:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The wheel, built from the source distribution."""
+    """Wheel that was built from the source distribution."""
     out = tmp_path_factory.mktemp("dist")
     run("-m", "build", "--no-isolation", "--outdir", out, ROOT, cwd=out)
     return next(out.glob("*.whl"))
@@ -69,7 +69,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def site(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder that holds the installed wheel and nothing else."""
+    """Folder that holds only the installed wheel."""
     site = tmp_path_factory.mktemp("site")
     run("-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--target", site, wheel, cwd=site)
     return site

@@ -1,4 +1,4 @@
-"""The program for one's own scenes, as a subprocess: what it leaves, that it is repeatable, and what it refuses."""
+"""The program for your own scenes, as a subprocess: its files, its repeatability, and what it refuses."""
 
 import json
 import re
@@ -26,7 +26,7 @@ from ictamp_drake.tamp.task import load
 from ictamp_drake.world.config import PhysicsConfig
 from tests.runs.programs import SCENE, run, timeless
 
-LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed plays no part
+LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed does not matter
 
 CASES = Path(__file__).parent / "scenes" / "cases"
 CROWD = CASES / "f3-many-bystanders.yaml"
@@ -65,7 +65,7 @@ def test_the_record_tells_of_a_verified_plan(record: Record) -> None:
     assert 0 < record.replay_time_s < record.planning_time_s
     assert record.replay_time_s <= record.seconds_by_stage["physics"]
     assert record.cpu_time_s is not None
-    assert 0 < sum(record.seconds_by_stage.values()) <= record.cpu_time_s  # which is all, with what is loaded late
+    assert 0 < sum(record.seconds_by_stage.values()) <= record.cpu_time_s  # in total, with late imports
 
 
 def test_the_output_names_result_and_replay(done: subprocess.CompletedProcess[str], record: Record) -> None:
@@ -129,7 +129,7 @@ def test_the_plan_file_is_plain_yaml_in_si_units(folder: Path, record: Record) -
     clock = 0.0
     q = content["initial"]["commanded"]
     for segment in segments:
-        assert segment["control_points"][0] == pytest.approx(q, rel=0, abs=1e-9)  # goes on where it was commanded to be
+        assert segment["control_points"][0] == pytest.approx(q, rel=0, abs=1e-9)  # continues from its commanded place
         q = segment["control_points"][-1]
         assert segment["start"] == pytest.approx(clock)
         clock += segment["duration"]
@@ -170,7 +170,7 @@ def test_a_finished_run_has_nothing_left_to_do(
 
 
 def refuse(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """The sentence with which the program refuses the arguments."""
+    """Sentence with which the program refuses the arguments."""
     assert program.main("ictamp_drake.plan", PlanOptions, work, arguments) == BAD_INPUT
     output = capsys.readouterr()
     assert output.out == ""

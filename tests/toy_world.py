@@ -1,9 +1,9 @@
 """A world without Drake in which the whole search runs in milliseconds.
 
-A robot walks on a grid from (0, 0) to the far corner by the actions right and up. A configuration is the cell and an
-offset inside it, the parameter k that the last step happened to draw. Cells may be walled off, steps may slip, and a
-cell with a narrow door lets in only who stands at a small enough offset in the cell before: the only help then is to go
-back and enter that cell once more with another k.
+A robot walks on a grid from (0, 0) to the far corner with the actions right and up. A configuration is the cell and an
+offset inside it: the parameter k that the last step happened to draw. Cells may be walled off, and steps may slip. A
+cell with a narrow door can be entered only from a small enough offset in the previous cell. The only remedy then is to
+go back and enter the previous cell again with another k.
 """
 
 from collections import deque
@@ -30,11 +30,11 @@ Cell = tuple[int, int]
 RIGHT, UP = Action("right", ()), Action("up", ())
 MOVES = {RIGHT: (1, 0), UP: (0, 1)}
 ADAPTIVE = AdaptiveConfig(BeliefsConfig(trying=0.5))
-"""Adaptive allocation where nothing moves, so that all of a step's effort is that of its k."""
+"""Adaptive allocation where nothing moves, so that all effort of a step belongs to its k."""
 
 
 class ToyConfiguration(NamedTuple):
-    """c: the cell and the offset in [0, 1] drawn when it was entered."""
+    """c: the cell, and the offset in [0, 1] that was drawn on entering it."""
 
     cell: Cell
     offset: float
@@ -50,14 +50,14 @@ class ToyWorld:
     """The grid and its hazards.
 
     Attributes:
-        size: the far corner, which is the goal.
-        success: probability that a step does not slip.
-        walls: cells that cannot be entered.
-        doors: cells that can be entered only from an offset below the door's width.
-        offsets: the parameters k that a step can draw; empty for uniform in [0, 1).
-        max_plans: plans that the generator knows, in lexicographic order; None for all.
-        expansions: nodes that the generator expands for each plan.
-        seconds: pretended computing time of a step [s].
+        size: Far corner of the grid, which is the goal.
+        success: Probability that a step does not slip.
+        walls: Cells that cannot be entered.
+        doors: Cells that can be entered only from an offset below the door's width.
+        offsets: Parameters k that a step can draw; empty for uniform in [0, 1).
+        max_plans: Number of plans that the generator knows, in lexicographic order; None for all.
+        expansions: Number of nodes that the generator expands for each plan.
+        seconds: Simulated computing time of a step [s].
     """
 
     size: Cell = (1, 1)
@@ -71,7 +71,7 @@ class ToyWorld:
 
     @property
     def draws(self) -> int:
-        return 3  # what a wall refuses
+        return 3  # all are refused at a wall
 
     @property
     def start(self) -> ToyConfiguration:
@@ -82,7 +82,7 @@ class ToyWorld:
         return asdict(self) | {"doors": [[*cell, width] for cell, width in self.doors.items()]}
 
     def plans(self) -> Iterator[Skeleton]:
-        """Every monotone path from the start to the goal, in lexicographic order."""
+        """All monotone paths from the start to the goal, in lexicographic order."""
         length = sum(self.size)
         for rights in islice(combinations(range(length), self.size[0]), self.max_plans):
             actions = tuple(RIGHT if step in rights else UP for step in range(length))
@@ -123,7 +123,7 @@ def _move(cell: Cell, action: Action) -> Cell:
 
 
 class ToyGenerator:
-    """The plans of a world one after the other, each for a fixed number of expansions."""
+    """Generates the plans of a world one after the other, each after a fixed number of expansions."""
 
     def __init__(self, world: ToyWorld) -> None:
         self._plans = deque(world.plans())
@@ -140,7 +140,7 @@ class ToyGenerator:
         max_expansions: int,
         obstructions: frozenset[Obstruction] = frozenset(),  # noqa: ARG002  (nothing can be moved)
     ) -> Skeleton | None:
-        """The next plan, as soon as its expansions were paid for, in several calls if need be."""
+        """Return the next plan once its expansions are paid for, if necessary in several calls."""
         if self.exhausted:
             return None
         paid = min(max_expansions, self._cost - self._paid)
@@ -154,7 +154,7 @@ class ToyGenerator:
 
 @dataclass
 class TableEstimator:
-    """P by first action, with a record of what it was asked."""
+    """P by first action, with a record of the queries."""
 
     P: Mapping[Action, float]
     asked: list[list[tuple[ToyConfiguration, Skeleton]]] = field(default_factory=list)
@@ -166,7 +166,7 @@ class TableEstimator:
 
 @dataclass
 class ToyOptimizer:
-    """Knows how wide the doors are, but neither walls nor luck, and likes later plans better."""
+    """An optimizer that knows the widths of the doors, but neither walls nor luck, and prefers later plans."""
 
     world: ToyWorld
     asked: list[int] = field(default_factory=list)
@@ -184,14 +184,14 @@ class ToyOptimizer:
         ]
 
     def _offsets(self, plan: Skeleton) -> list[float]:
-        """The widest offset with which the next cell's door lets one in, for each cell entered."""
+        """Largest offset that passes the next cell's door, for each entered cell."""
         cells = list(accumulate((MOVES[action] for action in plan.actions), lambda a, b: (a[0] + b[0], a[1] + b[1])))
         return [self.world.doors.get(cell, 1.0) for cell in [*cells[1:], cells[-1]]]
 
 
 @dataclass
 class TickingClock:
-    """A clock that goes on by a fixed time whenever it is read."""
+    """A clock that advances by a fixed time whenever it is read."""
 
     tick: float = 0.0
     now: float = 0.0
@@ -216,7 +216,7 @@ def toy_planner(
     stop: Callable[[], bool] = lambda: False,
     clock: Callable[[], float] | None = None,
 ) -> Planner[ToyConfiguration]:
-    """The planner for a world, with time standing still unless a clock is given."""
+    """The planner for a world. Time stands still unless a clock is given."""
     config = PlannerConfig(Budget(seconds, steps), max_expansions, rule or ProportionalConfig())
     return config.create(
         c=world.start,
@@ -240,7 +240,7 @@ def encode(c: ToyConfiguration) -> list[float]:
 
 
 def assert_consistent(tree: Tree[ToyConfiguration]) -> None:
-    """Laws that hold in every tree, whatever the rule."""
+    """Assert laws that hold in every tree, whatever the rule."""
     steps = tree.steps
     assert sum(sum(node.cnt.values()) for node in tree.nodes) == len(steps)
     assert len(tree.nodes) == 1 + sum(step.attempt.succeeded for step in steps)

@@ -180,7 +180,7 @@ def _find_line(path: Path, field: str) -> int | None:
 
 
 def _find_node(node: yaml.Node | None, field: str) -> int | None:
-    """Line of the part of a node that a field leads to, or of the last one on the way that is there."""
+    """Line of the part of a node to which a field leads or, if it is missing, of its nearest parent."""
     line = None
     for key in re.findall(r"[^.\[\]]+", field):
         if isinstance(node, yaml.MappingNode):

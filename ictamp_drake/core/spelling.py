@@ -1,23 +1,23 @@
-"""Older spellings that stay readable for good: in options, scenes, configurations, records and data."""
+"""Older spellings that remain readable: in options, scenes, configurations, records and data."""
 
 from typing import Any
 
 TODAY = {"optimisation": "optimization", "optimisation-constant": "optimization-constant", "colour": "color"}
-"""What is written today for each older name."""
+"""Today's spelling of each older name."""
 
 
 def respell(name: str) -> str:
-    """The name as it is written today."""
+    """Return today's spelling of a name."""
     return TODAY.get(name, name)
 
 
 def spellings(name: str) -> list[str]:
-    """All that the name is or was written as."""
+    """Return all spellings of a name, today's first."""
     return [respell(name), *(older for older, today in TODAY.items() if today == respell(name))]
 
 
 def respell_option(argument: str) -> str:
-    """An argument of a command line, its option named as it is today, e.g. --samplers.optimization.turn."""
+    """Return a command-line argument with today's spelling of its option, e.g. --samplers.optimization.turn."""
     if not argument.startswith("--"):
         return argument
     name, equals, value = argument.removeprefix("--").partition("=")
@@ -25,7 +25,7 @@ def respell_option(argument: str) -> str:
 
 
 def respell_options(values: Any) -> Any:
-    """Options in the types of YAML, as they are named today."""
+    """Return options, in types that YAML supports, with today's spelling of their names."""
     if not isinstance(values, dict):
         return values
     return {

@@ -1,4 +1,4 @@
-"""index.html of a run's folder, for people who look at what the run found."""
+"""index.html of a run's folder, an overview of the run's results."""
 
 import os
 import time
@@ -13,22 +13,22 @@ from ictamp_drake.viz.index_page import Entry, index_html
 INDEX = "index.html"
 
 EVERY = 5.0
-"""Least time between two pages of a run that is at work [s]."""
+"""Minimum time between two updates of the page during a run [s]."""
 
 LINKS = {"replay": "replay.html", "search": "search.html", "plan": "plan.yaml", "scene": "scene.yaml"}
-"""Files of a problem that the page leads to, and what they are called there."""
+"""Labels of the links to a problem's files, and the names of these files."""
 
 
 class Index:
-    """The page and the records that it shows. A page that cannot be written costs nothing else.
+    """The page and the records that it shows. A failure to write the page does not affect the run.
 
     Args:
-        folder: of the run.
-        names: of the problems that are to be done.
+        folder: Folder of the run.
+        names: Names of the run's problems.
 
     Attributes:
-        path: of the page.
-        error: why it could not be written the last time, else None.
+        path: File of the page.
+        error: Error of the last attempt to write the page; None when it succeeded.
     """
 
     def __init__(self, folder: Path, names: Sequence[str]) -> None:
@@ -40,14 +40,14 @@ class Index:
         self._due = 0.0
 
     def add(self, records: Sequence[Record]) -> None:
-        """Take new records, and write the page unless that was done just now."""
+        """Add new records, and write the page unless it was written a moment ago."""
         self._records |= {record.name: record for record in records}
         self._stale |= bool(records)
         if self._stale and time.monotonic() >= self._due:
             self.write()
 
     def write(self) -> None:
-        """Write the page, or note why that failed."""
+        """Write the page, or keep the error if that fails."""
         folder = self.path.parent
         waiting = sum(name not in self._records for name in self._names)
         try:
@@ -88,5 +88,5 @@ def _files(folder: Path) -> set[str]:
 
 
 def _address(record: Record, file: str) -> str:
-    """Of a file of a problem, relative to the page; names may contain anything that a file system takes."""
+    """Address of a problem's file, relative to the page; names may contain any characters of a file system."""
     return quote(os.fsencode(f"{record.name}/{file}"))

@@ -35,24 +35,24 @@ class Blocked:
 
     @property
     def advice(self) -> str:
-        """What would help against the most frequent cause; empty if nothing was refused."""
+        """Advice against the most frequent cause; empty if nothing was refused."""
         worst = max(self.refusals, key=lambda cause: self.refusals[cause], default=None)
         return "" if worst is None else worst.advice
 
     @property
     def args(self) -> tuple[str, ...]:
-        """What the action is about, the object that it moves first."""
+        """Arguments of the action, beginning with the object that it moves."""
         return tuple(self.action.rstrip(")").partition("(")[2].split(", "))
 
     @property
     def refused(self) -> str:
-        """E.g. "30 of 30 grasps refused: grasp or placement in collision"."""
+        """Number and causes of the refusals, e.g. "30 of 30 grasps refused: grasp or placement in collision"."""
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameters k")
         return f"{total} of {total} {what} refused: {list_causes(self.refusals)}"
 
     def __str__(self) -> str:
-        """E.g. "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
+        """E.g., "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
         line = f"{self.action}: {self.refused}"
         worst = ", ".join(f"{name} ({count})" for name, count in Counter(self.obstacles).most_common(SHOWN))
         return f"{line}; in the way: {worst}" if worst else line
@@ -65,14 +65,15 @@ class Explanation:
     Attributes:
         stop_reason: Name of a `StopReason`.
         blocked: Actions that never succeeded, the most often tried first.
-        failures: Failed low-level steps by cause.
-        steps: Low-level steps.
-        plans: High-level plans that were found.
-        verified: False when a plan was carried out to the goal, but failed when it was executed once more.
-        planning_time_s: Time of the search [s].
-        generating_time_s: Part of it in which high-level plans were sought [s].
-        scene: The scene; None when it is not at hand, as in records.
-        start: c_0, where the search began; None when it is not at hand.
+        failures: Number of failed low-level steps by cause.
+        steps: Number of low-level steps.
+        plans: Number of high-level plans that were found.
+        verified: Result of the last verification; False when a plan reached the goal in the search but failed when it
+            was executed again; None when nothing was verified.
+        planning_time_s: Planning time [s].
+        generating_time_s: Part of the planning time that was spent on finding high-level plans [s].
+        scene: Scene of the search; None when it is not available, as in records.
+        start: Initial configuration c_0; None when it is not available.
     """
 
     stop_reason: str
@@ -88,7 +89,7 @@ class Explanation:
 
     @classmethod
     def of(cls, result: PlanningResult[Any], planning_time_s: float, scene: "SceneSpec | None" = None) -> "Explanation":
-        """The explanation of a search in a scene that took so long [s]."""
+        """Return the explanation of a search in a scene that took `planning_time_s` [s]."""
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
@@ -112,16 +113,16 @@ class Explanation:
 
     @property
     def is_generator_slow(self) -> bool:
-        """True when much of the time went to finding high-level plans."""
+        """Whether finding high-level plans took much of the time."""
         return self.generating_time_s > _SLOW_GENERATOR * self.planning_time_s
 
     @property
     def solved(self) -> bool:
-        """True when there is nothing to explain."""
+        """Whether a plan was found, so that there is nothing to explain."""
         return self.stop_reason == StopReason.SOLVED.name
 
     def lines(self) -> Iterator[str]:
-        """What stood in the way, a sentence each, and what would help."""
+        """Yield the obstacles to a plan, one sentence each, with advice."""
         remarks = list(self.remarks())
         first = self.verified is False
         yield from remarks[:first]
@@ -130,7 +131,7 @@ class Explanation:
         yield from remarks[first:]
 
     def remarks(self) -> Iterator[str]:
-        """What there is to say besides the blocked actions, a sentence each."""
+        """Yield remarks other than those on blocked actions, one sentence each."""
         if self.verified is False:
             yield "a plan reached the goal, but failed when it was executed again"
         if self.is_generator_slow:
@@ -145,7 +146,7 @@ class Explanation:
 
     @property
     def reasons(self) -> Reasons:
-        """The same as it is drawn; nothing of a solved problem."""
+        """Reasons as pages and pictures show them; none for a solved problem."""
         if self.solved:
             return NO_REASONS
         refusals = (
@@ -161,12 +162,12 @@ class Explanation:
         return Reasons(self.reason, tuple(refusals), tuple(self.remarks()))
 
     def draw(self, path: Path | str) -> None:
-        """Write a picture of the scene at its start, with what was refused and what stood in its way (PNG).
+        """Write a picture of the scene at its start, with the refused actions and their obstacles (PNG).
 
         Raises:
-            ValueError: The explanation knows no scene, since it was read from a record.
+            ValueError: The explanation has no scene, since it was read from a record.
         """
-        from ictamp_drake.viz.picture import scene_png  # noqa: PLC0415  (what draws takes long to load)
+        from ictamp_drake.viz.picture import scene_png  # noqa: PLC0415  (drawing modules take long to load)
 
         if self.scene is None or self.start is None:
             raise ValueError("this explanation knows no scene")

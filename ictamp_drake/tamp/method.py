@@ -4,7 +4,7 @@ A choice between implementations is a dataclass with one field for each; its fie
 """
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, get_args
 
@@ -37,7 +37,15 @@ from ictamp_drake.skills.config import (
 from ictamp_drake.skills.context import SamplerConfig
 from ictamp_drake.symbolic.context import GeneratorConfig
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
-from ictamp_drake.tamp.parts import GROUPS, find_part, list_constants, load_installed, name_part, set_constants
+from ictamp_drake.tamp.parts import (
+    GROUPS,
+    check_part,
+    find_part,
+    list_constants,
+    load_installed,
+    name_part,
+    set_constants,
+)
 from ictamp_drake.world.config import PhysicsConfig, PredicateConfig
 
 
@@ -109,22 +117,22 @@ class Planners:
 
 
 Verification = Literal["none", "awake", "fine"]
-"""What a found plan must pass besides the execution of its skills; see `Method`."""
+"""Test of a found plan, see `Method`."""
 
 Execution = Literal["each-step", "whole-plan"]
-"""When physics runs the skills; see `Method`."""
+"""Time at which physics runs the skills, see `Method`."""
 
 FINE_STEP = 1e-3
 """Time step of the strictest verification [s]."""
 
 
 def describe_choices(names: tuple[str, ...]) -> Any:
-    """How the help shows an option that takes one of the names."""
+    """Show in the help which names an option takes."""
     return tyro.conf.arg(metavar=f"{{{','.join(names)}}}")
 
 
 def _describe_part(option: str, known: Iterable[str]) -> Any:
-    """How the help shows an option that takes the name of a part; installed ones are among them."""
+    """Show in the help which parts an option takes, installed ones among them."""
     names = ",".join([*known, *load_installed(option), "MODULE:CLASS"])
     return tyro.constructors.PrimitiveConstructorSpec(
         nargs=1,
@@ -137,31 +145,32 @@ def _describe_part(option: str, known: Iterable[str]) -> Any:
 
 @dataclass(frozen=True)
 class Method:
-    """How a problem is solved. A run that is continued keeps all of these that are `decisive`.
+    """Options of planning. A run can be continued only with the same values of all `decisive` ones.
 
     Attributes:
-        time_limit: of one problem, from the start of loading its scene [s].
-        max_steps: low-level steps of one problem.
-        seed: of everything random in the search.
-        sampler: where skill parameters k come from.
-        estimator: where P, the estimated probability that a step succeeds, comes from.
-        generator: in which order high-level plans come.
-        planner: which computational action comes next; completion-tree is the paper's rule. els (unless weighted),
-            round-robin and uniform ask no estimator, and stap asks STAP's product of Q along the plan.
-        max_expansions: nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
-        verify: What a found plan must pass besides the execution of its skills one after the other, which is one
-            execution of the whole, bit for bit. none: nothing more. awake: another execution, in a fresh simulator in
-            which no box sleeps. fine: the same with a time step of 1 ms.
-        execution: When physics runs the skills. each-step: each at once, so that the search goes on from where physics
-            ended. whole-plan: a plan as a whole once its motions are found; until then a skill ends where it promises.
-            A step that physics refuses is blamed, and the search goes on from the one before.
-        skills: constants of the skills and of motion planning.
-        physics: how the scene is simulated.
-        predicates: tolerances of H.
-        samplers: constants of each sampler.
-        estimators: constants of each estimator.
-        generators: constants of each plan generator.
-        planners: constants of each planner.
+        time_limit: Time limit of one problem, from the start of loading its scene [s].
+        max_steps: Maximum number of low-level steps of one problem.
+        seed: Random seed of the search.
+        sampler: Source of the skill parameters k.
+        estimator: Source of P, the estimated probability that a step succeeds.
+        generator: Order in which high-level plans are found.
+        planner: Rule that chooses the next computational action; completion-tree is the rule of the paper. els (unless
+            weighted), round-robin and uniform use no estimator, and stap uses STAP's product of Q along the plan.
+        max_expansions: Maximum number of nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
+        verify: Test of a found plan, whose skills were executed one after the other already. none: no further test.
+            awake: another execution, in a fresh simulator in which no box sleeps. fine: the same with a time step of
+            1 ms.
+        execution: Time at which physics runs the skills. each-step: at once, so that the search continues from the
+            simulated end of each skill. whole-plan: once the motions of a whole plan are found; until then, each skill
+            is assumed to end where it promises. A step that fails in physics counts as a failure, and the search
+            continues from the step before.
+        skills: Constants of the skills and of motion planning.
+        physics: Constants of the simulation.
+        predicates: Tolerances of H.
+        samplers: Constants of each sampler.
+        estimators: Constants of each estimator.
+        generators: Constants of each plan generator.
+        planners: Constants of each planner.
     """
 
     time_limit: float = 60.0
@@ -193,7 +202,8 @@ class Method:
             if isinstance(name := getattr(self, option), str):
                 is_text = ":" in name or "(" in name
                 object.__setattr__(self, option, name if is_text else respell(name.replace("_", "-")))
-        self.check_parts()
+        for option, (chosen, known) in self._choices().items():
+            check_part(option, find_part(option, chosen, known))
 
     def with_options(self, **options: Any) -> "Method":
         """The same method with other values of some fields.
@@ -205,19 +215,14 @@ class Method:
             check_choice("option", name, [field.name for field in dataclasses.fields(self)])
         return replace(self, **options)
 
-    def check_parts(self) -> None:
-        """Raise IctampError when a part does not exist or cannot be made."""
-        for config in (self.sampler_config, self.estimator_config, self.generator_config, self.rule_config):
-            assert config
-
     def check(self) -> None:
-        """Raise IctampError at once, rather than in every problem, when what was learned is not to be had."""
+        """Raise IctampError now, rather than in every problem, if trained networks are missing or damaged."""
         for config in self.learned:
             config.check()
 
     @property
     def learned(self) -> list[Learned]:
-        """Those of the chosen sampler and estimator that need trained networks."""
+        """The chosen sampler and estimator, if they need trained networks."""
         return [config for config in (self.sampler_config, self.estimator_config) if isinstance(config, Learned)]
 
     @property
@@ -246,7 +251,7 @@ class Method:
 
     @property
     def verification(self) -> PhysicsConfig | None:
-        """How a found plan is executed once more, None when it is not."""
+        """Physics of another execution of a found plan; None if there is none."""
         if self.verify == "none":
             return None
         step = min(FINE_STEP, self.physics.time_step) if self.verify == "fine" else self.physics.time_step
@@ -254,28 +259,31 @@ class Method:
 
     @property
     def decisive(self) -> dict[str, Any]:
-        """Every option that decides how a problem is solved: all but the constants of what is not chosen."""
-        rule, generator = self.rule_config, self.generator_config
-        estimator = rule.estimator[0] if isinstance(rule, NeedsEstimator) else self.estimator
-        used: dict[str, tuple[object, object]] = {
-            "sampler": (self.sampler, self.sampler_config),
-            "estimator": (estimator, find_part("estimator", estimator, self.estimators.by_name())),
-            "generator": (self.generator, generator),
-            "planner": (self.planner, rule),
-        }
-        values = dataclasses.asdict(self)
-        for option, (chosen, config) in used.items():
-            if not isinstance(values[option], str):
-                values[option] = name_part(config)
-            name = chosen if isinstance(chosen, str) else name_part(config)
-            values[f"{option}s"] = {name.replace("-", "_"): list_constants(config)}
+        """All options that affect the result: all but the constants of parts that are not chosen."""
+        values, rule = dataclasses.asdict(self), self.rule_config
+        for option, (chosen, known) in self._choices().items():
+            if not isinstance(chosen, str):
+                values[option] = name_part(chosen)
+            used = rule.estimator[0] if option == "estimator" and isinstance(rule, NeedsEstimator) else chosen
+            name = used if isinstance(used, str) else name_part(used)
+            constants = list_constants(find_part(option, used, known))
+            values[f"{option}s"] = {name.replace("-", "_") if name in known else name: constants}
         for action, skill in {"pick": self.skills.pick, "place": self.skills.place}.items():
             if type(skill) not in (PickConfig, PlaceConfig):
                 values["skills"][action] = {"class": name_part(skill), **list_constants(skill)}
         return values
 
+    def _choices(self) -> dict[str, tuple[object, Mapping[str, object]]]:
+        """The chosen part of each kind, and those of the package."""
+        return {
+            "sampler": (self.sampler, self.samplers.by_name()),
+            "estimator": (self.estimator, self.estimators.by_name()),
+            "generator": (self.generator, self.generators.by_name()),
+            "planner": (self.planner, self.planners.by_name()),
+        }
+
     def budget(self, elapsed: float) -> Budget:
-        """What the search may spend when `elapsed` [s] of the time limit are spent."""
+        """The budget of the search after `elapsed` [s] of the time limit."""
         return Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
 
 

@@ -47,7 +47,7 @@ def find_part(option: str, chosen: str | P, known: Mapping[str, P]) -> P:
         IctampError: The part does not exist, cannot be imported or cannot be made.
     """
     if not isinstance(chosen, str):
-        return _check_part(option, name_part(chosen), chosen)
+        return chosen
     if chosen in known:
         return known[chosen]
     name, constants = _split_text(option, chosen)
@@ -131,14 +131,14 @@ def _make_part(option: str, text: str, found: object, constants: Mapping[str, ob
             raise IctampError(Code.UNKNOWN_FIELD, problem, field=option, value=text) from error
     elif constants:
         raise IctampError(Code.WRONG_TYPE, "cannot set constants of {value}: not a class", field=option, value=text)
-    return _check_part(option, text, found)
+    return found
 
 
-def _check_part(option: str, text: str, part: P) -> P:
+def check_part(option: str, part: object) -> None:
+    """Raise IctampError unless this is a configuration of a part."""
     if not isinstance(part, Config) or isinstance(part, type):
         problem = "expected the configuration of a part, with a method create(context), got {value}"
-        raise IctampError(Code.WRONG_TYPE, problem, field=option, value=text)
-    return part
+        raise IctampError(Code.WRONG_TYPE, problem, field=option, value=name_part(part))
 
 
 def _say(error: Exception) -> str:

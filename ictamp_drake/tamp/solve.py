@@ -57,7 +57,7 @@ class Solution:
         return Plan(self.task.spec, self.task.c, self.result.plan)
 
     def explain(self) -> Explanation:
-        """Why the search ended, what was refused by what, and what would help; `str` of it is for people."""
+        """Explain why the search ended, what refused each blocked action, and what would help; `str` of it is text."""
         return Explanation.of(self.result, self.planning_time_s, self.task.spec)
 
     @property
@@ -83,12 +83,12 @@ def solve(
     """Search until a plan is found and executed, or the budget is spent.
 
     Args:
-        task: The task.
-        method: How it is solved.
-        listeners: Called with every event of the search.
-        stop: Asked before every computational action; True ends the search.
-        options: Fields of `Method` to be changed, e.g. sampler="optimization", time_limit=30. A part is a name or a
-            configuration of your own, e.g. sampler=MySampler().
+        task: Task to solve.
+        method: Method that solves the task.
+        listeners: Functions that are called with every event of the search.
+        stop: Function that is called before every computational action; True ends the search.
+        options: Fields of `Method` to change, e.g. sampler="optimization", time_limit=30. A part is given by its name
+            or as a configuration of your own, e.g. sampler=MySampler().
 
     Raises:
         IctampError: An option or its value does not exist, or the task was loaded with different physics.

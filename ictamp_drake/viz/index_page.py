@@ -13,19 +13,19 @@ class Entry:
     """A problem as the page shows it.
 
     Attributes:
-        problem: Its name.
-        level: Its level.
-        strategy: Name of the method; empty in a run of one method.
-        seed: Seed of the method.
+        problem: Name of the problem.
+        level: Level of the problem.
+        strategy: Name of the method; empty in a run with one method.
+        seed: Random seed of the method.
         solved: Whether a plan was found.
-        reason: Why it was not solved, as a clause; empty when it was.
-        details: What more there is to say about that, a clause each.
-        error: What broke down; empty when nothing did.
-        seconds: Time of planning [s].
-        skills: Skills of the plan, None when there is none.
-        steps: Low-level steps.
-        picture: Address of its picture, relative to the page; empty when there is none.
-        links: Addresses of its files, relative to the page, by what they are called.
+        reason: Reason why the problem was not solved, as a clause; empty when it was solved.
+        details: Further explanations of the reason, one clause each.
+        error: Description of the breakdown; empty when there was none.
+        seconds: Planning time [s].
+        skills: Number of skills in the plan; None when there is no plan.
+        steps: Number of low-level steps.
+        picture: Address of the picture, relative to the page; empty when there is none.
+        links: Addresses of the problem's files, relative to the page, by their labels.
     """
 
     problem: str
@@ -47,10 +47,10 @@ def index_html(title: str, entries: Sequence[Entry], waiting: int, path: Path) -
     """Write the page; it appears whole or not at all.
 
     Args:
-        title: name of the run.
-        entries: its problems that are over.
-        waiting: how many are not.
-        path: of the page.
+        title: Name of the run.
+        entries: Finished problems of the run.
+        waiting: Number of unfinished problems.
+        path: File of the page.
     """
     data = to_script({"title": title, "waiting": waiting, "entries": [asdict(entry) for entry in entries]})
     script = f"<script>\nconst run = {data};\n{resource('index/table.js')}</script>\n"

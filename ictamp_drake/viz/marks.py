@@ -30,9 +30,9 @@ def mark(image: Image.Image, silhouettes: Mapping[str, NDArray[np.bool_]], color
     """The picture with outlines and names of things.
 
     Args:
-        image: the picture.
-        silhouettes: where each thing is in it, shape (height, width).
-        colors: of each thing.
+        image: Picture to mark.
+        silhouettes: Mask of each object in the picture by name, shape (height, width).
+        colors: Color of each object by name.
     """
     marked = image.copy()
     masks = {name: Image.fromarray(silhouette).convert("L") for name, silhouette in silhouettes.items()}

@@ -26,11 +26,11 @@ def scene_png(
     """Write a picture of c; it appears whole or not at all.
 
     Args:
-        spec: the scene.
-        c: what is shown.
-        path: of the picture.
-        stage: whose bodies are drawn, if there is one.
-        reasons: why there is no plan; what was refused and what stood in the way is marked, and told below the picture.
+        spec: Scene to show.
+        c: Configuration to show.
+        path: File of the picture.
+        stage: Stage whose bodies are drawn; by default a new one.
+        reasons: Reasons why there is no plan; refused actions and obstacles are marked, and listed below the picture.
     """
     stage = stage or Stage(spec)
     image = Image.fromarray(picture(spec, c, stage))

@@ -68,7 +68,7 @@ def render(triangles: FloatArray, colors: FloatArray, camera: Camera, background
 
 
 def silhouette(triangles: FloatArray, camera: Camera) -> NDArray[np.bool_]:
-    """Where triangles would be seen if nothing else were there, shape (height, width); see `render`."""
+    """Mask of the pixels that show triangles if nothing else is there, shape (height, width); see `render`."""
     covered = _front(camera.project(triangles), camera.shape) >= 0
     height, width = camera.shape
     return np.any(covered.reshape(height // _SAMPLES, _SAMPLES, width // _SAMPLES, _SAMPLES), axis=(1, 3))

@@ -18,10 +18,10 @@ class Refusal:
 
     Attributes:
         action: The action, e.g. "pick(red_box, rack)".
-        args: What it is about, the object that it moves first.
-        refused: How often and for what cause, e.g. "30 of 30 grasps: grasp or placement in collision".
-        obstacles: How often each thing was in the way, the most frequent first.
-        advice: What would help.
+        args: Arguments of the action, beginning with the object that it moves.
+        refused: Number and causes of the refusals, e.g. "30 of 30 grasps refused: grasp or placement in collision".
+        obstacles: Number of times that each object was in the way, the most frequent first.
+        advice: Advice on what would help.
     """
 
     action: str
@@ -44,9 +44,9 @@ class Reasons:
     """Why a search found no plan.
 
     Attributes:
-        ended: Why it ended, as a clause; empty when it found a plan.
+        ended: Reason why the search ended, as a clause; empty when it found a plan.
         refusals: Actions that never succeeded, the most often tried first.
-        remarks: What else there is to say, a clause each.
+        remarks: Further remarks, one clause each.
     """
 
     ended: str = ""

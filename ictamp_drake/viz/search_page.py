@@ -44,14 +44,14 @@ def search_html(
     """Write the page; it appears whole or not at all.
 
     Args:
-        spec: the scene.
-        tree: what the search left.
-        recordings: of executed steps, by their place in the tree's log; a successful step without one is shown by
-            where it ended.
-        path: of the page.
-        title: name of the search.
-        stage: of the scene, if there is one, which holds no animation.
-        reasons: why there is no plan, where there is none.
+        spec: Scene of the search.
+        tree: Tree of the search.
+        recordings: Recordings of executed steps by their index in the tree's log; for a successful step without one,
+            the page shows the step's end.
+        path: File of the page.
+        title: Name of the search.
+        stage: Stage of the scene, which must hold no animation; by default a new one.
+        reasons: Reasons why there is no plan, if there is none.
     """
     stage = stage or Stage(spec, start_meshcat())
     stage.show(tree.root.c)

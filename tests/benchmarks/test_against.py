@@ -1,4 +1,4 @@
-"""The stopwatch: what it measures in which order, what it goes on with, and what it says of two trees."""
+"""The comparison of two trees: what it measures in which order, how it continues, and what it reports."""
 
 import json
 import subprocess
@@ -33,7 +33,7 @@ times = st.lists(st.floats(0.1, 100), min_size=1, max_size=12)
 
 
 def row(tree: str, number: int, seconds: float, turn: int = 0, **values: Any) -> dict[str, Any]:
-    """A measurement of a solved problem."""
+    """Measurement of a solved problem."""
     name = {"round": turn, "tree": tree, "level": LEVEL, "problem": f"easy-{number:03d}"}
     return name | {"solved": True, "cpu_s": seconds, "plan_duration_s": 10.0} | values
 
@@ -45,7 +45,7 @@ def pairs(before: list[float], after: list[float], **values: Any) -> list[dict[s
 
 
 def cells(rows: list[dict[str, Any]]) -> dict[str, str]:
-    """The one row of the table, by headings."""
+    """The only row of the table, by headings."""
     headings, _, line = ([cell.strip() for cell in line.split("|")[1:-1]] for line in ratios(pair_rows(rows)))
     return dict(zip(headings, line, strict=True))
 
@@ -137,7 +137,7 @@ def test_both_trees_are_measured_once_and_nothing_is_left_behind(tmp_path: Path)
         pytest.skip("this is no checkout")
     command = [sys.executable, str(ROOT / "benchmarks" / "against.py"), "--commit", "HEAD", "--rounds", "1"]
     command += ["--scenes", str(SCENES / "tower_2" / "05.yaml"), "--out", str(tmp_path / "out")]
-    for _ in range(2):  # the second time there is nothing left to do
+    for _ in range(2):  # nothing is left to do the second time
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         assert "| tower_2 | 1 | 1 of 1 | 1 of 1 |" in done.stdout

@@ -1,4 +1,4 @@
-"""The committed scenes are those of their generator, and problems that can be begun with."""
+"""The committed scenes equal those of their generator, and planning can start in them."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Parts of scenes and the blocks that they are joined in."""
+"""Shards of scenes, and the blocks into which they are joined."""
 
 from pathlib import Path
 

@@ -28,7 +28,7 @@ def rows() -> list[AttemptRow]:
 
 
 def timeless(row: AttemptRow) -> dict[str, object]:
-    """A row without what differs from run to run."""
+    """A row without the values that differ from run to run."""
     return {name: str(value) for name, value in row.values().items() if not name.endswith("_ms")}
 
 

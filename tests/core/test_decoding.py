@@ -1,4 +1,4 @@
-"""Plain data become dataclasses, and whatever does not fit is named by its field."""
+"""Plain data become dataclasses, and errors name the field that does not fit."""
 
 from dataclasses import dataclass, field
 from typing import Any, Literal

@@ -1,4 +1,4 @@
-"""Older spellings stay readable, and are written as today."""
+"""Older spellings can still be read, and are written with today's spelling."""
 
 from pathlib import Path
 

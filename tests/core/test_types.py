@@ -1,4 +1,4 @@
-"""c: immutable, compared bit for bit, and the same after it was sent to another process."""
+"""c is immutable, compared bit for bit, and unchanged after a trip to another process."""
 
 import pickle
 from dataclasses import FrozenInstanceError, fields, replace
@@ -26,7 +26,7 @@ CONFIGURATIONS = st.builds(
 
 
 def copy_apart(c: Configuration) -> Configuration:
-    """The same from arrays of its own, its poses in another order."""
+    """Copy of c with its own arrays and with its poses in a different order."""
     poses = {name: c.poses[name].copy() for name in reversed(list(c.poses))}
     state = None if c.x is None else c.x.copy()
     return Configuration(c.q.copy(), poses, c.held, c.gripper, c.commanded.copy(), state)

@@ -1,7 +1,7 @@
-"""The sentences of errors, all in `wording.yml`: at least one of each code.
+"""The sentences of errors, all in `wording.yml`, with at least one for each code.
 
-Nothing else asserts on a sentence. After a change of words run `pytest tests/core/test_wording.py --force-regen`, read
-what it has written, and commit it.
+No other test asserts on a sentence. After a change of words, run `pytest tests/core/test_wording.py --force-regen`,
+read the new file, and commit it.
 """
 
 from collections.abc import Callable, Sequence
@@ -52,7 +52,7 @@ def load_changed(changes: Sequence[tuple[str, str]]) -> None:
 
 
 def write_file(name: str, content: bytes | str) -> Path:
-    """A file in the working directory."""
+    """Write a file in the working directory."""
     path = Path(name)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -60,7 +60,7 @@ def write_file(name: str, content: bytes | str) -> Path:
 
 
 def open_run(work: dict[str, object], conduct: Conduct) -> None:
-    """Make or continue a run, and leave it."""
+    """Start or continue a run, and leave it."""
     with open_run_folder("packing", work, conduct):
         pass
 
@@ -82,7 +82,7 @@ def refuse_no_attempts() -> None:
 
 
 class Certain:
-    """An estimator that is more than certain."""
+    """An estimator with a P above 1."""
 
     def estimate(self, options: Sequence[object]) -> list[float]:
         return [1.7 for _ in options]
@@ -168,7 +168,7 @@ EXAMPLES: dict[str, Callable[[], object]] = {
 
 
 def caught(act: Callable[[], object]) -> IctampError:
-    """The error that an example raises."""
+    """Error that an example raises."""
     with pytest.raises(IctampError) as error:
         act()
     return error.value

@@ -1,7 +1,7 @@
-"""The equations of docs/adaptive.md, written down once more, hold in whole searches.
+"""The equations of docs/adaptive.md, implemented a second time, hold in whole searches.
 
-Nothing of the implementation computes what is expected here: `Equations` keeps every attempt and adds up anew for each
-belief. Names are those of the page.
+The expected values do not use the implementation: `Equations` keeps every attempt and sums up anew for each belief.
+Names are those of the page.
 """
 
 import json
@@ -37,7 +37,7 @@ CLOSE = 1e-9
 
 @dataclass
 class Edge:
-    """What was seen of an edge, attempt by attempt and node by node."""
+    """Observations at an edge, attempt by attempt and node by node."""
 
     attempts: list[tuple[Lineage, int, int]] = field(default_factory=list)
     estimates: list[tuple[Lineage, float]] = field(default_factory=list)
@@ -47,7 +47,7 @@ class Edge:
 
 @dataclass
 class Calls:
-    """Calls of the generator that asked for the same boxes to be moved."""
+    """Calls of the generator that asked for the same boxes to move."""
 
     expanded: list[int] = field(default_factory=list)
     in_vain: int = 0
@@ -114,7 +114,7 @@ class Equations:
         self.efforts[a.name, success].append(self.constants.trying * t + self.constants.simulating * attempt.duration)
 
     def ask(self, tree: Tree[Any]) -> None:
-        """P of every step; the first of a node and an action is remembered."""
+        """P of every step; the first value for a node and an action is cached."""
         for run in tree.runs:
             if run not in self.P:
                 value = self.estimator.estimate([(tree.nodes[run.node].c, tree.plans[run.plan])])[0]
@@ -163,7 +163,7 @@ class Equations:
         return float(self.shares(edge, way) @ q)
 
     def all_groups(self, edge: Edge, r: int) -> np.ndarray:
-        """A and B: what each attempt in turn changes in the share of its own group."""
+        """A and B: changes of each attempt, in turn, to the share of its own group."""
         total = np.zeros(2)
         for number, (lineage, _, _) in enumerate(edge.attempts):
             g = lineage[min(r, len(lineage) - 1)]
@@ -208,7 +208,7 @@ class Equations:
     # 6. The choice
 
     def check(self, tree: Tree[Any], option: Option, computed: Sequence[float] | None) -> None:
-        """Assert that the option is what the equations say, and that the efforts are those computed."""
+        """Assert that the option agrees with the equations, and that the efforts are the computed ones."""
         if not tree.runs:
             assert option == OpenPlan()
             return
@@ -219,7 +219,7 @@ class Equations:
         efforts = self.efforts_of(tree)
         assert computed == pytest.approx(efforts, rel=CLOSE)
         assert computed is not None
-        run = tree.runs[int(np.argmin(computed))]  # of several that take the same, rounding decides
+        run = tree.runs[int(np.argmin(computed))]  # rounding decides between equal ones
         for entry in news:
             if isinstance(entry, Opening):
                 calls = self.calls[self.Q]
@@ -264,7 +264,7 @@ def _moved(way: Way) -> frozenset[str]:
 
 
 class HeardBeliefs(Beliefs[Any]):
-    """The implementation, with the efforts that it last computed."""
+    """The implementation, with the efforts that it computed last."""
 
     heard: list[float] | None = None
 
@@ -274,7 +274,7 @@ class HeardBeliefs(Beliefs[Any]):
 
 
 class Checked:
-    """Adaptive allocation, every choice of which is held against the equations; its own configuration."""
+    """Adaptive allocation that compares every choice with the equations; its own configuration."""
 
     def __init__(self, config: AdaptiveConfig) -> None:
         self.config = config
@@ -307,13 +307,13 @@ def test_the_equations_choose_every_step_of_the_golden_searches(name: str) -> No
 
 
 def refuse_two() -> Callable[[object], bool]:
-    """A judge of whole plans who refuses the first two."""
+    """Verifier of whole plans that refuses the first two."""
     verdicts = iter((False, False))
     return lambda _: next(verdicts, True)
 
 
 def slip_twice() -> Callable[..., Attempt[ToyConfiguration]]:
-    """Physics that refuses the third and the sixth step that was promised."""
+    """Physics that refuses the third and the sixth promised step."""
     steps = iter(range(10**6))
 
     def execute(c: ToyConfiguration, attempt: Attempt[ToyConfiguration], _: object) -> Attempt[ToyConfiguration]:
@@ -347,7 +347,7 @@ def test_they_choose_every_step_in_other_toy_worlds(
 @pytest.mark.parametrize("lot", [LOT, TINY, replace(TINY, in_the_way={"low": "tall", "tall": "low"})])
 @pytest.mark.parametrize("patience", [1.5, 20.0])
 def test_they_choose_every_step_where_boxes_are_in_the_way(lot: ParkingLot, patience: float) -> None:
-    """Failures name obstacles here, and plans are asked for that move these first."""
+    """Failures name obstacles here, and the search asks for plans that move them first."""
     beliefs = replace(ADAPTIVE.beliefs, patience=patience)
     checked = Checked(replace(ADAPTIVE, beliefs=beliefs))
     PlannerConfig(Budget(60.0, 60), rule=checked).create(

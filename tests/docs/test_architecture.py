@@ -1,4 +1,4 @@
-"""docs/architecture.md: its drawing is that of today's imports, and what it names exists."""
+"""The drawing in docs/architecture.md matches today's imports, and everything that the page names exists."""
 
 import re
 from importlib.util import module_from_spec, spec_from_file_location

@@ -1,16 +1,16 @@
-"""Commands and snippets of the README and of docs: those that take long are read as their programs read them.
+"""Commands and snippets of the README and of docs; those that take long are only parsed, by their own programs.
 
 A command is a line of a code block without a language, or code in a sentence or table, that starts with `python`,
-`ictamp` or `make`. What is checked of each:
+`ictamp` or `make`. The checks of each:
 
-- `python -m ictamp_drake.…` and `ictamp …`: the program starts up to the point where it would act on its options, which
-  are thereby parsed and checked for their values, the files that they name aside;
-- `python benchmarks/….py`, `scripts/….py`, `docs/examples/….py`: the file exists and its options, where it has a class
-  of these, are parsed. `benchmarks/opening.py` takes plain numbers, the others without `Options` nothing;
+- `python -m ictamp_drake.…` and `ictamp …`: the program starts and stops before it acts on its options. They are
+  parsed and their values are checked, except for files that they name;
+- `python benchmarks/….py`, `scripts/….py`, `docs/examples/….py`: the file exists and its options, if it has a class
+  of these, are parsed. `benchmarks/opening.py` takes plain numbers; other programs without `Options` take nothing;
 - `make …`: the target exists.
 
 Not checked: commands of `pip`, `cp`, `bash` and `pytest`, fragments that say "the same with …", commands that name a
-part which the reader wrote, and whether the files are there that a command names.
+part that the reader wrote, and whether the files in a command exist.
 """
 
 import re
@@ -51,18 +51,18 @@ def find_commands() -> Iterator[tuple[str, str]]:
 COMMANDS = sorted(set(find_commands()))
 
 WRITTEN_BY_THE_READER = ("patient", "my_package")
-"""Parts of their own that readers are told how to choose; no such part is there to check."""
+"""Parts of their own that readers are told to choose; there is no such part to check."""
 
 
 class Stopped(Exception):  # noqa: N818  (no error)
-    """The program would act now."""
+    """The program is about to act."""
 
     def __init__(self, options: object) -> None:
         self.options = options
 
 
 def read_options(words: list[str], monkeypatch: pytest.MonkeyPatch) -> object:
-    """The options of a program of the package as it reads them, without acting on them."""
+    """Parse options as a program of the package does, without acting on them."""
     parse = tyro.cli
 
     def stop(kind: Any, **more: Any) -> object:
@@ -104,7 +104,7 @@ def test_the_command_can_be_read(page: str, command: str, monkeypatch: pytest.Mo
 
 
 def check(options: Any) -> None:
-    """What a program reads only once it acts: strategies of a comparison."""
+    """Check what a program reads only when it acts: the strategies of a comparison."""
     if hasattr(options, "regime") and hasattr(options, "strategies"):
         assert methods(options.regime, options.strategies, options.seeds)
 

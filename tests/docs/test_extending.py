@@ -1,4 +1,4 @@
-"""The examples of docs/extending.md: each runs, and the page shows them as they are."""
+"""Each example of docs/extending.md runs, and the page shows it unchanged."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""The tour runs from top to bottom, and is committed without outputs."""
+"""The tour runs from top to bottom and is committed without outputs."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Plans in the imagination: each step starts where the one before ends."""
+"""Imagined plans: each step starts where the previous one ends."""
 
 import numpy as np
 import pytest
@@ -34,7 +34,7 @@ def option(c: Configuration, *actions: Action) -> Option:
 
 
 def options() -> list[Option]:
-    """Plans of unequal lengths, that begin with either skill."""
+    """Plans of unequal lengths that begin with either skill."""
     c, held = WORLD.initial_configuration(), hold_box(WORLD, "red_box")
     return [option(c, PICK, PLACE, PICK), option(held, PLACE), option(held, PLACE, PICK), option(c, PICK)]
 

@@ -1,4 +1,4 @@
-"""The contract of learned estimators, with networks that have learned nothing."""
+"""The contract of learned estimators, with untrained networks."""
 
 from collections.abc import Callable
 from functools import partial
@@ -51,7 +51,7 @@ def config(request: pytest.FixtureRequest) -> Config:
 
 
 class Draws(NamedTuple):
-    """What an estimator asks of the skills."""
+    """The part of the skills that an estimator uses."""
 
     draws: int
     attempt: Callable[..., Attempt[Configuration]] = lambda *_: pytest.fail("the estimator runs no skill")
@@ -133,7 +133,7 @@ def test_the_mean_of_the_critics_of_P_is_P(world: World) -> None:
 
 
 def plans(world: World, steps: int) -> list[tuple[Configuration, Skeleton]]:
-    """The options, whose first steps differ in skill, with up to so many steps after them, the same in all."""
+    """Options whose first steps differ in skill, followed by `steps` further steps, the same in all."""
     rest = [Action("pick", ("cyan_box", "table")), Action("place", ("cyan_box", "red_box"))] * steps
     return [(c, option(c, *plan.actions, *rest[:steps])[1]) for c, plan in options(world)]
 
@@ -168,7 +168,7 @@ def test_refinements_find_better_k_and_never_worse_ones(world: World, checkpoint
 
 
 def test_optimized_parameters_are_those_of_the_greatest_product(world: World, checkpoints: Path) -> None:
-    asked = [*plans(world, 0)[:2], *plans(world, 2)]  # of two lengths
+    asked = [*plans(world, 0)[:2], *plans(world, 2)]  # plans of two lengths
     estimator = QValueConfig(checkpoints, 16, best=True, horizon="plan", refinements=2).create(EstimatorContext(world))
     found = estimator.optimize(asked, generator(Stream.EVALUATION, world.spec.seed))
     assert [value for value, _ in found] == estimator.estimate(asked).tolist()

@@ -1,4 +1,4 @@
-"""Success that is counted, in the toy world."""
+"""Counted success in the toy world."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The collection as its users run it: killed, resumed, broken and misused."""
+"""The collection as users run it: killed, resumed, broken and misused."""
 
 import json
 import os
@@ -23,14 +23,14 @@ SHORT = ("--walk.states", "2", "--walk.draws", "2")
 
 
 def timeless(folder: Path) -> list[dict[str, Any]]:
-    """All rows without what differs from run to run."""
+    """All rows without the columns that differ from run to run."""
     rows = open_table(folder).to_table().to_pylist()
     return [{name: value for name, value in row.items() if not name.endswith("_ms")} for row in rows]
 
 
 @pytest.fixture(scope="module")
 def collected(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Attempts in scenes 0 to 3, made by one worker without interruption."""
+    """Attempts in scenes 0 to 3 from one worker without interruption."""
     folder = tmp_path_factory.mktemp("collected")
     done = run("experiments.collect", "--scenes", "0:4", "--out", "data", "--workers", "1", *SHORT, folder=folder)
     assert done.returncode == 0, done.stderr
@@ -39,7 +39,7 @@ def collected(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def processes_in(folder: Path) -> list[int]:
-    """Processes whose working directory is the folder."""
+    """Processes with the folder as their working directory."""
     found = []
     for entry in Path("/proc").iterdir():
         try:
@@ -109,7 +109,7 @@ def test_a_broken_note_of_how_attempts_were_made_is_named(tmp_path: Path, capsys
 
 
 def _die_here_and_there(out: Path, scene: int, _seed: int, _walk: object, spared: Sequence[int]) -> tuple[int, int]:
-    """Ten attempts; the process dies in the third of scene 4 and in all of scene 6, and hangs in the first of 5."""
+    """Make ten attempts. Die in the third of scene 4 and in all of scene 6, and hang in the first of scene 5."""
     shards = Shards(out)
     made = [attempt for attempt in range(10) if attempt not in spared]
     for attempt in made:

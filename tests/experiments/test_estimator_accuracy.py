@@ -1,4 +1,4 @@
-"""The program that compares estimators with counted success, as its users run it."""
+"""The program that compares estimators with counted success, as users run it."""
 
 import csv
 from pathlib import Path
@@ -19,7 +19,7 @@ RATES = ("--base-rate.pick", "0.6", "--base-rate.place", "0.7")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with attempts at several cases and with networks that have learned nothing."""
+    """A folder with attempts at several cases and with untrained networks."""
     folder = tmp_path_factory.mktemp("accuracy")
     made = run("experiments.collect", "--scenes", "100000:100002", "--out", "gt", *SHORT, *MIXED, folder=folder)
     assert made.returncode == 0, made.stderr
@@ -29,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def printed(folder: Path) -> str:
-    """What the program says; it writes to the folder out."""
+    """Output of the program, which writes to the folder `out`."""
     given = ("--ground-truth", "gt", "--checkpoints", "networks", "--out", "out", "--least", "6", *RATES)
     done = run("experiments.estimator_accuracy", *given, folder=folder)
     assert done.returncode == 0, done.stderr

@@ -29,7 +29,7 @@ def results(folder: Path) -> dict[str, Record]:
 
 @contextmanager
 def start_program(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """The program at work in folder/out, in a process group of its own."""
+    """Start the program in folder/out, in its own process group."""
     process = subprocess.Popen(
         command("experiments.packing", "--out", "out", *arguments),
         cwd=folder,
@@ -54,7 +54,7 @@ def wait_until(condition: Callable[[], object], seconds: float = 200) -> None:
 
 
 def workers(process: subprocess.Popen[str]) -> list[int]:
-    """Process numbers of the workers of a program."""
+    """Process IDs of a program's workers."""
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -85,7 +85,7 @@ def test_kill_9_in_mid_run_loses_no_finished_problem(tmp_path: Path) -> None:
     finished = results(tmp_path)
     assert 1 <= len(finished) < 3
     with (tmp_path / "out" / "results.jsonl").open("a") as file:
-        file.write('{"problem": "easy-0')  # as if the machine had died while it wrote
+        file.write('{"problem": "easy-0')  # as if the machine had died while writing
 
     again = run("experiments.packing", "--out", "out", *options, folder=tmp_path)
     assert again.returncode == COMPLETE, again.stderr
@@ -96,7 +96,7 @@ def test_kill_9_in_mid_run_loses_no_finished_problem(tmp_path: Path) -> None:
 
 
 def wait_for_second_problem(folder: Path) -> None:
-    """Wait until the only worker is at the second problem, which lies right behind the first."""
+    """Wait until the only worker is at the second problem, which follows immediately after the first."""
     wait_until(lambda: results(folder))
     time.sleep(1)
 
@@ -148,7 +148,7 @@ def test_a_problem_that_hangs_is_ended(tmp_path: Path) -> None:
 
 
 def test_neither_hash_seed_nor_workers_change_a_result(tmp_path: Path) -> None:
-    """On problems that meet failures."""
+    """The problems include failures."""
     options = ("--problems", "0:2", "--max-steps", "3", "--sampler", "uniform", "--skills.draws", "1")
     for number in (1, 2):
         folder = tmp_path / str(number)
@@ -165,7 +165,7 @@ def test_neither_hash_seed_nor_workers_change_a_result(tmp_path: Path) -> None:
 
 
 def refuse(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    """The sentence with which the program refuses the arguments."""
+    """Sentence with which the program refuses the arguments."""
     assert program.main("ictamp_drake.experiments.packing", Packing, work, list(map(str, arguments))) == BAD_INPUT
     output = capsys.readouterr()
     assert output.out == ""

@@ -1,4 +1,4 @@
-"""The program that says what runs show, as its users run it."""
+"""The program that reports the results of runs, as users run it."""
 
 import json
 from pathlib import Path
@@ -15,7 +15,7 @@ GOLDEN = Path(__file__).parents[1] / "golden" / "walls.json"
 
 
 def records() -> list[Record]:
-    """Two strategies on two levels, some problems unsolved by one of them."""
+    """Two strategies on two levels, with some problems that one of them did not solve."""
     return [
         recorded.run(name, number, 3.0 + number + 2 * (name == "b"), level=level, solved=name == "a" or number % 3 > 0)
         for level in ("easy", "hard")

@@ -1,4 +1,4 @@
-"""The comparison of strategies as its users run it."""
+"""The comparison of strategies as users run it."""
 
 import json
 from collections import Counter

@@ -1,4 +1,4 @@
-"""The rows of the experiments: their options, and what else can be named."""
+"""The strategies of the experiments: their options, and strategies that users define."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The program that trains dynamics, from recorded attempts to a checkpoint that foretells."""
+"""The program that trains dynamics, from recorded attempts to a checkpoint that predicts."""
 
 from pathlib import Path
 

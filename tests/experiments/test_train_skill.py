@@ -49,7 +49,7 @@ def trained(data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_what_can_be_learned_is_learned(trained: Path) -> None:
-    """The outcome depends on k and on where the box is: the critics see both, P only the one."""
+    """The outcome depends on k and on the box's place: the critics see both, P only the place."""
     critics, P = load(trained, "policy", "pick").metrics, load(trained, "estimator", "pick").metrics
     assert critics["auc"] > 0.8
     assert critics["brier_skill"] > 0.2
@@ -59,7 +59,7 @@ def test_what_can_be_learned_is_learned(trained: Path) -> None:
 
 
 def test_the_policy_succeeds_more_often_than_chance(trained: Path) -> None:
-    """By the rule itself, in scenes that nothing was learned from."""
+    """Judged by the rule itself, in scenes that were not used for training."""
     model = load_skill(trained, "pick")
     rng = np.random.default_rng(0)
     won = possible = 0
@@ -70,7 +70,7 @@ def test_the_policy_succeeds_more_often_than_chance(trained: Path) -> None:
             if succeeds(matrix, np.zeros(4)):
                 possible += 4
                 won += sum(succeeds(matrix, k) for k in drawn)
-    assert won / possible > 0.75  # of uniform draws, a half
+    assert won / possible > 0.75  # half of uniform draws succeed
 
 
 def test_the_checkpoint_says_where_it_comes_from(trained: Path, data: Path) -> None:
@@ -99,7 +99,7 @@ def test_an_interrupted_program_keeps_the_best_and_goes_on_to_the_same_end(
         nonlocal saved
         original(fit)
         saved += 1
-        if saved in (3, 50):  # in the midst of the critics, then of the policy
+        if saved in (3, 50):  # in the middle of training the critics, then the policy
             raise KeyboardInterrupt
 
     monkeypatch.setattr("ictamp_drake.learning.training.Fit._save", save_or_interrupt)
@@ -135,7 +135,7 @@ def test_an_estimator_learns_from_further_attempts_too(data: Path, trained: Path
     assert found.provenance["also"] == [fingerprint(more)]
     assert found.provenance["data"] == alone.provenance["data"]
     assert found.metrics["count"] == alone.metrics["count"]
-    assert estimator(*given) == 2  # what it learned from is part of the run's purpose
+    assert estimator(*given) == 2  # the training data is part of the run's purpose
 
 
 @pytest.mark.parametrize(

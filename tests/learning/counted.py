@@ -1,4 +1,4 @@
-"""Recorded attempts from configurations that are what their scenes specify, with outcomes as one likes."""
+"""Recorded attempts from the initial configurations of their scenes, with any outcomes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,12 +16,12 @@ OPEN = Configuration(np.zeros(9), {})
 
 
 def case(scene: int, outcomes: Sequence[bool], skill: str = "pick", state: int = 0) -> Case:
-    """A case of which nothing but its outcomes matters."""
+    """A case in which only the outcomes matter."""
     return Case(scene, state, "", OPEN, Action(skill, ("box", "table")), np.array(outcomes, dtype=bool))
 
 
 def picks(number: int, outcomes: Sequence[bool], box: str | None = None, sampler: str = "policy") -> list[AttemptRow]:
-    """Picks of a box, the last on top by default, in a training scene as it is specified."""
+    """Picks of a box, by default the last one on top, in a training scene as specified."""
     spec = training_scene(number)
     c = World(spec).initial_configuration()
     highest = max(spec.boxes, key=lambda name: spec.boxes[name].position[2])
@@ -32,7 +32,7 @@ def picks(number: int, outcomes: Sequence[bool], box: str | None = None, sampler
 
 
 def folder_of(folder: Path, *rows: Sequence[AttemptRow]) -> Path:
-    """A folder with the rows."""
+    """Folder with the rows."""
     folder.mkdir(parents=True, exist_ok=True)
     write([row for part in rows for row in part], folder / "all.parquet")
     return folder

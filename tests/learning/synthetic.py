@@ -1,4 +1,4 @@
-"""Attempts whose outcomes follow a rule that can be learned, and checkpoints of networks that have learned nothing."""
+"""Attempts whose outcomes follow a rule that can be learned, and checkpoints of untrained networks."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -30,13 +30,13 @@ PROVENANCE = {"command": "python", "data": "none"}
 
 
 def succeeds(matrix: FloatArray, k: FloatArray) -> bool:
-    """The rule: the grasp is near the middle of the box, and the box is not far to a side."""
+    """The rule: the grasp is near the middle of the box, and the box is not far to one side."""
     half, y = matrix[0, SCHEMA.group("box")] / 2, matrix[0, SCHEMA.index("base_y")]
     return bool((abs(k[:2]) < 0.7 * half[:2]).all() and abs(y) < 0.3)
 
 
 def lift_centered(c: Configuration, box: str, size: tuple[float, float, float], k: FloatArray) -> Configuration:
-    """c after the box was lifted, where the fingers, closing on it, took its middle along their direction to theirs."""
+    """c after the box was lifted; the closing fingers have centered the box along their direction."""
     lying = upright_frame(c.poses[box], size)
     fingers = np.array([-np.sin(k[3]), np.cos(k[3]), 0.0])
     shift = lying.X_WU.rotation().matrix() @ (fingers * (fingers @ k[:3])) + [0.0, 0.0, LIFT]
@@ -45,7 +45,7 @@ def lift_centered(c: Configuration, box: str, size: tuple[float, float, float], 
 
 
 def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
-    """Picks of boxes, by the middle and by the side, in scenes that are all of the wider kind."""
+    """Write picks of boxes, by the middle and by the side, in scenes of the wider kind only."""
     rows = []
     for number in (8 * scene + 5 for scene in range(scenes)):
         spec = training_scene(number)
@@ -66,7 +66,7 @@ def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
 
 
 def write_untrained(folder: Path) -> Path:
-    """A folder with a policy, an estimator and dynamics of each skill that have their starting weights."""
+    """Write a folder with a policy, an estimator and dynamics of each skill, with their initial weights."""
     torch.manual_seed(0)
     for skill in ("pick", "place"):
         critic, policy = Classifier(skill, SIZE), POLICY.create(skill)
@@ -80,7 +80,7 @@ def write_untrained(folder: Path) -> Path:
 
 
 def matrices(count: int = 6, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]:
-    """Random matrices; the rows of an action's objects are there, some of the others not."""
+    """Random matrices. The rows of an action's objects are present, and some of the others are missing."""
     noise = torch.Generator().manual_seed(seed)
     mask = torch.rand((count, ROWS), generator=noise) < 0.6
     mask[:, [0, 2]] = True
@@ -92,7 +92,7 @@ def matrices(count: int = 6, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]
 
 
 def displace(skill: str, count: int, seed: int) -> Batch:
-    """Successes after which the box is off its nominal pose by 8 mm across k's yaw, and turned the wider it is."""
+    """Successes after which the box is 8 mm off its nominal pose, across k's yaw, and turned by its width along x."""
     matrix, mask = matrices(count, seed)
     k = torch.randn((count, 4), generator=torch.Generator().manual_seed(seed)) * torch.tensor([0.05, 0.05, 0.05, 2.0])
     target = matrix[:, 0 if skill == "pick" else 2]

@@ -1,4 +1,4 @@
-"""Attempts as tensors, and their split."""
+"""Attempts as tensors, and how they are split."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def attempts(tmp_path_factory: pytest.TempPathFactory) -> Attempts:
 
 
 def numbers(part: Attempts, k: torch.Tensor) -> set[int]:
-    """Scenes that attempts with these k are from."""
+    """Numbers of the scenes of attempts with these k."""
     known = {row.tobytes(): int(scene) for row, scene in zip(part.k, part.scene, strict=True)}
     return {known[row.tobytes()] for row in k.numpy()}
 

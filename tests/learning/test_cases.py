@@ -1,4 +1,4 @@
-"""Attempts counted by case."""
+"""Counts of attempts by case."""
 
 from pathlib import Path
 

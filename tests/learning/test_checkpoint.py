@@ -1,4 +1,4 @@
-"""Checkpoints come back as they were, or are refused."""
+"""Checkpoints are read back unchanged, or refused."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Ensembles of classifiers: what becomes of their logits."""
+"""Ensembles of classifiers: how their logits are combined."""
 
 import pytest
 import torch

@@ -20,7 +20,7 @@ ORIGIN = torch.zeros(3, 1)
 
 
 def block(place: tuple[float, float], yaw: float, size: tuple[float, float, float], z: float = 0.0) -> Blocks:
-    """One box; its centre is half its height above z."""
+    """One box, whose center is half its height above z."""
     return Blocks(
         torch.tensor([*place, z + size[2] / 2])[:, None],
         torch.tensor([math.cos(yaw), math.sin(yaw)])[:, None],
@@ -36,7 +36,7 @@ def one_object(one: Blocks) -> Blocks:
 
 
 def of_box(box: Blocks, other: Blocks) -> float:
-    """Distance between two boxes, the hand being far above."""
+    """Distance between two boxes when the hand is far above."""
     found = clearances(NOWHERE, AHEAD, box, one_object(other))
     assert found.shape == (PARTS, 1, 1)
     return float(found[3])
@@ -77,7 +77,7 @@ def test_it_makes_no_difference_where_all_of_it_stands(other: Blocks, turn: floa
 def test_what_is_below_is_apart_by_its_distance() -> None:
     low, high = block((0, 0), 0.0, (0.1, 0.1, 0.05)), block((0.01, 0), 0.4, (0.1, 0.1, 0.05), z=0.08)
     assert of_box(high, low) == pytest.approx(0.03)
-    assert of_box(low, high) < 0  # what comes down from above does not fit
+    assert of_box(low, high) < 0  # nothing fits in from above
 
 
 @given(st.floats(0.03, 0.1))

@@ -1,4 +1,4 @@
-"""Rows of attempts: written, joined, read back, and turned into what is learned from."""
+"""Rows of attempts: written, joined, read back, and turned into training data."""
 
 from pathlib import Path
 
@@ -161,7 +161,7 @@ def test_unfinished_files_are_not_read(folder: Path) -> None:
 @pytest.mark.parametrize("folder", ["ground_truth", "round_0", "round_1", "round_2"])
 @pytest.mark.parametrize("name", ["pick", "place"])
 def test_what_earlier_versions_recorded_can_be_tried_again(folder: str, name: str) -> None:
-    """Its c has no state of a simulator: everything is at rest, and the arm is commanded to be where it is."""
+    """Its c has no simulator state: everything is at rest, and the arm is commanded to stay in place."""
     succeeded = pads.field("failure").is_null() & (pads.field("action").cast(pa.string()) == name)
     (recorded,) = open_table(DATA / folder).head(1, filter=succeeded).to_pylist()
     c, spec, tried = configuration(recorded), scene(recorded["spec"]), action(recorded)

@@ -1,4 +1,4 @@
-"""Where boxes go: nominal kinematics, and what is learned beside them."""
+"""Motion of boxes: nominal kinematics, and the learned residual."""
 
 import math
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_a_placed_box_stands_where_the_skill_takes_it(x: float, y: float, yaw: f
     X_WG = placement_pose(WORLD, c, place, held_bottom(WORLD, c, "red_box", X_WG0), np.array([x, y, 0.0, yaw]))
     X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses["red_box"])
     matrix = torch.from_numpy(OBSERVER.observe_all([(c, action)]).matrix)
-    found = nominal("place", matrix, torch.tensor([[x, y, 0.01, yaw]]))  # from whatever height it is let go
+    found = nominal("place", matrix, torch.tensor([[x, y, 0.01, yaw]]))  # whatever the height of its release
     np.testing.assert_allclose(found, OBSERVER.measure_moved_box([(c, action)], to_pose(X_WO)[None]), atol=1e-5)
 
 
@@ -72,7 +72,7 @@ def test_the_network_shifts_the_box_in_the_frame_of_k(skill: str) -> None:
 
 @pytest.mark.parametrize("skill", ["pick", "place"])
 def test_a_known_residual_is_recovered(skill: str) -> None:
-    """Learned in some situations, found in others."""
+    """Trained in some situations, evaluated in others."""
     torch.manual_seed(0)
     dynamics, training = Dynamics(skill, ONE), displace(skill, 2000, seed=0)
     objective, optimizer = PoseRegression(dynamics), torch.optim.Adam(dynamics.parameters(), 1e-2)

@@ -1,4 +1,4 @@
-"""Figures of probabilities."""
+"""Metrics of probabilities."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ OUTCOME = (RNG.uniform(size=20_000) < TRUTH).astype(np.float64)
 def test_the_truth_is_calibrated_and_skilful() -> None:
     found = metrics(TRUTH, OUTCOME)
     assert found["ece"] < 0.02
-    assert found["brier"] == pytest.approx(1 / 6, abs=0.005)  # of p uniform in [0, 1], the mean of p (1 - p)
+    assert found["brier"] == pytest.approx(1 / 6, abs=0.005)  # mean of p (1 - p) for p uniform in [0, 1]
     assert found["brier_skill"] == pytest.approx(1 / 3, abs=0.02)
     assert found["auc"] == pytest.approx(5 / 6, abs=0.01)
     assert found["base_rate"] == OUTCOME.mean()

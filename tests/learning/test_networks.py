@@ -1,4 +1,4 @@
-"""What networks see: every object that is there, no other, and no other situation of the batch."""
+"""Networks see every present object, no absent one, and no other situation of the batch."""
 
 import pytest
 import torch

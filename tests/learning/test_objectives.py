@@ -1,4 +1,4 @@
-"""What policies are praised for: they find what succeeds, all of it, and do not spoil the critics."""
+"""Objectives of policies: they reward all successful k, and do not spoil the critics."""
 
 import math
 from dataclasses import replace
@@ -23,7 +23,7 @@ STAP = PolicyTraining(
 
 
 class Ridges(Classifier):
-    """A critic that likes grasps across the box's faces near its middle: four ways, a quarter turn apart."""
+    """A critic that likes grasps across the box's faces near its middle: four directions, a quarter turn apart."""
 
     def probabilities(self, matrix: Tensor, mask: Tensor, k: Tensor) -> Tensor:  # noqa: ARG002
         u = normalize_parameter("pick", matrix, k)

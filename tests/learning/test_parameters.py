@@ -1,4 +1,4 @@
-"""k as networks see it."""
+"""k as input of networks."""
 
 import math
 
@@ -94,7 +94,7 @@ def test_objects_are_seen_from_k_as_frames_say() -> None:
 
 @pytest.mark.parametrize("skill", ["pick", "place"])
 def test_the_base_sees_the_hand_where_the_motion_takes_it(skill: str) -> None:
-    """The pose of G is that of the skill's own geometry."""
+    """The pose of G agrees with the skill's own geometry."""
     world = World(scene(far_boxes()))
     action = Action(skill, ("yellow_box", "table" if skill == "pick" else "rack"))
     c = world.initial_configuration() if skill == "pick" else hold_box(world, "yellow_box", drop=0.01)

@@ -1,4 +1,4 @@
-"""Every class of policy: its draws follow its density."""
+"""Draws of every class of policy follow its density."""
 
 import math
 from dataclasses import replace
@@ -66,7 +66,7 @@ def test_branches_carry_their_density_and_gradients(policy: Policy) -> None:
 
 
 def test_what_is_spread_stands_for_the_draws(policy: Policy) -> None:
-    """Few of them have the mean that many draws have, and they are the same whatever else is asked."""
+    """A few of them have the mean of many draws, and they do not depend on the rest of the batch."""
     matrix, mask = matrices()
     with torch.inference_mode():
         u, draws = policy.spread(matrix, mask, 64), policy.draw(matrix, mask, 4096, noise())
@@ -75,7 +75,7 @@ def test_what_is_spread_stands_for_the_draws(policy: Policy) -> None:
     torch.testing.assert_close(alone, u[2:3], rtol=1e-3, atol=1e-4)
     for value in (torch.sin, torch.cos, torch.tanh):
         error = (value(u).mean(dim=1) - value(draws).mean(dim=1)).abs()
-        assert (error < 0.4 * value(draws).std(dim=1) / 8).float().mean() > 0.6  # chance leaves a third so good
+        assert (error < 0.4 * value(draws).std(dim=1) / 8).float().mean() > 0.6  # a third would be this good by chance
 
 
 def test_yaw_goes_round_in_a_mixture() -> None:

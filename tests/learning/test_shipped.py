@@ -1,4 +1,4 @@
-"""The networks that come with the package: whole, small, explained, and made for each other."""
+"""The networks in the package are complete, small, documented, and trained together."""
 
 import re
 
@@ -25,7 +25,7 @@ def test_each_can_be_loaded_and_says_how_it_was_made(kind: Kind, skill: str) -> 
     found = load(SHIPPED, kind, skill)
     command = found.provenance["command"]
     assert re.match(r"python -m ictamp_drake\.experiments\.train_\w+ --data data/\w+ ", command)
-    assert " /" not in command  # no path of the machine that it was made on
+    assert " /" not in command  # no path of the machine that made it
     assert re.fullmatch(r"[0-9a-f]{40}", found.provenance["commit"])
     assert found.provenance["data"]["attempts"] > 9000
     assert found.metrics["count"] > 400

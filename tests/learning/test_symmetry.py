@@ -1,4 +1,4 @@
-"""Other descriptions of a situation are what the observer would have said of it."""
+"""Equivalent descriptions of a situation equal those of the observer."""
 
 from dataclasses import replace
 
@@ -35,7 +35,7 @@ def observe(spec: SceneSpec, skill: str, q: FloatArray = Q) -> torch.Tensor:
 
 
 def batch_of(matrix: torch.Tensor, k: torch.Tensor | None = None) -> Batch:
-    """Attempts with this matrix; the box ends where k is."""
+    """Attempts with this matrix; the box ends at k."""
     k = torch.zeros(len(matrix), 4) if k is None else k
     return Batch(matrix, matrix.abs().sum(-1) > 0, k, torch.ones(len(k)), k, torch.ones(len(k), 1))
 
@@ -45,7 +45,7 @@ def swap_sides(size: tuple[float, ...]) -> Vector:
 
 
 def turn_box(box: BoxSpec) -> BoxSpec:
-    """The same box, but for the names of its x and y axes; only for one that stands upright."""
+    """The same box with other names for its x and y axes; only for a box that stands upright."""
     roll, pitch, yaw = box.rotation
     return replace(box, size=swap_sides(box.size), rotation=(roll, pitch, yaw + 90.0))
 
@@ -59,7 +59,7 @@ def test_the_frames_of_all_objects_may_be_turned(spec: SceneSpec, skill: str) ->
     boxes = {name: turn_box(box) if box.rotation[:2] == (0, 0) else box for name, box in spec.boxes.items()}
     supports = {name: turn_support(support) for name, support in spec.supports.items()}
     tipped = [name for name, box in boxes.items() if box is spec.boxes[name]]
-    if tipped:  # which row is whose is the observer's affair
+    if tipped:  # the observer decides the order of the rows
         return
     batch = batch_of(observe(spec, skill))
     other = turn_frames(skill, batch, torch.ones(1, ROWS, dtype=torch.long)).matrix
@@ -73,7 +73,7 @@ def yaw(angle: float) -> FloatArray:
 
 @given(skills, st.integers(0, 3), st.integers(0, 3), st.integers(0, 99))
 def test_k_stays_where_it_was_in_the_world(skill: str, of_moved: int, of_target: int, seed: int) -> None:
-    """R_KU of what is moved: G for a pick, the held box for a placement, whose own frame is turned too."""
+    """R_KU of the moved object: G for a pick, the held box for a placement, whose own frame turns too."""
     matrix, _ = matrices(1, seed)
     turns = torch.zeros(1, ROWS, dtype=torch.long)
     turns[0, 1], turns[0, 0 if skill == "pick" else 2] = of_moved, of_target
@@ -107,7 +107,7 @@ def test_the_mirror_image_is_what_a_mirrored_scene_shows(spec: SceneSpec, skill:
     image = mirror(batch_of(observe(spec, skill))).matrix
     expected = observe(replace(spec, boxes=boxes, supports=supports), skill, q)
     tipped = any(box.rotation[:2] != (0, 0) for box in spec.boxes.values())
-    if not tipped:  # the axis that points up is another one then
+    if not tipped:  # another axis points up then
         torch.testing.assert_close(image, expected, rtol=1e-4, atol=1e-4)
 
 
@@ -136,4 +136,4 @@ def test_variety_comes_from_the_generator_alone(skill: str) -> None:
     assert torch.equal(first.k, again.k)
     assert not torch.equal(first.matrix, other.matrix)
     left = (first.k[:, :2] - k[:, :2]).abs().sum(-1) < 1e-6
-    assert 0.03 < left.float().mean() < 0.25  # an eighth is left as it is
+    assert 0.03 < left.float().mean() < 0.25  # an eighth stays unchanged

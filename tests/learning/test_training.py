@@ -1,4 +1,4 @@
-"""The training loop: it learns, stops, goes on, and refuses what it cannot go on with."""
+"""The training loop learns, stops, continues, and refuses to continue from unsuitable folders."""
 
 import json
 from pathlib import Path
@@ -30,7 +30,7 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Data:
 
 
 def new(data: Data, folder: Path, config: FitConfig = CONFIG, **purpose: object) -> tuple[Fit, Classifier]:
-    """As a program begins that knows nothing but the folder."""
+    """Start like a program that only knows the folder."""
     start(config.seed)
     critic = Classifier("pick", SIZE)
     return Fit(Classification(critic), data, config, folder=folder, purpose=purpose), critic

@@ -1,4 +1,4 @@
-"""The one statement of the hand's geometry against the collision shapes, and against the default of `core`."""
+"""The single definition of the hand's geometry agrees with the collision shapes and with the default of `core`."""
 
 from itertools import product
 
@@ -19,7 +19,7 @@ def corners(*shapes: Shape) -> FloatArray:
 
 
 def check_outline(outline: Outline, points: FloatArray, offset: float) -> None:
-    """The outline holds the points, whose frame is so far from the flange [m], and is less than 1 mm larger."""
+    """Assert that the outline contains the points, `offset` [m] from the flange, with less than 1 mm of room."""
     middle = (points.min(axis=0) + points.max(axis=0))[:2] / 2
     half = np.abs(points[:, :2] - middle).max(axis=0)
     bottom = GRASP_OFFSET - offset - points[:, 2].max()

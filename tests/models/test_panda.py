@@ -1,4 +1,4 @@
-"""The Panda against the published numbers, and its hand in simulated physics."""
+"""The Panda agrees with the published numbers; its hand in simulated physics."""
 
 import math
 
@@ -162,7 +162,7 @@ class Hand:
         plant.SetFreeBodyPose(self.context, plant.GetBodyByName("box"), X_WG)
 
     def push(self, force: float, seconds: float) -> np.ndarray:
-        """Finger positions after pushing both fingers outwards with a force [N] for some time."""
+        """Finger positions after a force [N] pushed both fingers outwards for some time."""
         self.plant.get_actuation_input_port().FixValue(self.context, np.r_[np.zeros(7), force, force])
         self.simulator.AdvanceTo(self.simulator.get_context().get_time() + seconds)
         panda = self.plant.GetModelInstanceByName("panda")

@@ -1,4 +1,4 @@
-"""Boxes, tables and racks, as Drake reads them."""
+"""Boxes, tables and racks as Drake reads them."""
 
 from itertools import product
 
@@ -27,7 +27,7 @@ def parse(sdf: str) -> tuple[MultibodyPlant, SceneGraph]:
 
 
 def collisions(plant: MultibodyPlant, scene_graph: SceneGraph, name: str) -> dict[str, tuple[object, RigidTransform]]:
-    """Shape and pose of every collision geometry of the link by its name in the SDF."""
+    """Shape and pose of every collision geometry of the link, by name in the SDF."""
     inspector = scene_graph.model_inspector()
     frame = plant.GetBodyFrameIdOrThrow(plant.GetBodyByName(name).index())
     return {
@@ -120,7 +120,7 @@ DIRECTIONS = np.array([np.cos(ANGLES), np.sin(ANGLES)])
 def reach_of_contacts(
     support: np.ndarray, rim: np.ndarray, box: tuple[float, float], centre: np.ndarray, yaw: float
 ) -> float:
-    """Distance from a box's centre to the outline of the points that carry it, negative outside [m]."""
+    """Distance from a box's center to the outline of its supporting contact points, negative outside [m]."""
     R = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
     feet = np.array([shape.xyz[:2] for shape in box_contacts((*box, 0.05)) if shape.xyz[2] < 0]) @ R.T + centre
     feet = feet[np.all(np.abs(feet) <= support / 2, axis=1)]
@@ -131,14 +131,14 @@ def reach_of_contacts(
 @pytest.mark.parametrize("size", [(0.4, 0.3, 0.02), (0.22, 0.32, 0.16), (0.06, 0.5, 0.02)])
 @pytest.mark.parametrize(("side", "length"), [(0.015, 0.015), (0.015, 0.1), (0.03, 0.05), (0.05, 0.05), (0.05, 0.3)])
 def test_whatever_overhangs_a_rim_is_carried(size: tuple[float, float, float], side: float, length: float) -> None:
-    """With its centre 3 mm inside it rests on points at least 1 mm around that, anywhere, turned by any angle."""
+    """With its center 3 mm inside, a box rests on points at least 1 mm around the center, anywhere, at any angle."""
     rng = np.random.default_rng(0)
     support = np.array(size[:2])
     rim = np.array([shape.xyz[:2] for shape in rim_contacts(size, side / 2)])
     inner = support / 2 - MARGIN
     reach = np.hypot(side, length) / 2
     for i in range(1500):
-        # near a corner, near a side, or as near to the rim as may be
+        # near a corner, near a side, or as near to the rim as possible
         centre = inner - rng.uniform(0.0, np.minimum(2 * inner, (reach, reach) if i % 3 else (0.0, 2 * inner[1])))
         yaw = rng.choice([0.0, np.pi / 4, np.pi / 2, rng.uniform(0.0, np.pi)])
         assert reach_of_contacts(support, rim, (side, length), centre, yaw) > 0.8e-3, (centre, yaw)

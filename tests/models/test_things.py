@@ -1,4 +1,4 @@
-"""What is read from the committed files of boxes and supports is what Drake reads from them."""
+"""Sizes read from the committed files of boxes and supports agree with those that Drake reads."""
 
 import numpy as np
 import pytest

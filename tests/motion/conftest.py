@@ -1,4 +1,4 @@
-"""A scene with a tower, a rack and two single boxes, and a second opinion on collisions in it."""
+"""A scene with a tower, a rack and two single boxes, and an independent check of its collisions."""
 
 from collections.abc import Callable
 
@@ -33,19 +33,19 @@ def world() -> World:
 
 @pytest.fixture(scope="session")
 def c(world: World) -> Configuration:
-    """All boxes where the scene has them, and an open, empty hand."""
+    """All boxes at their initial poses, and an open, empty hand."""
     return world.initial_configuration()
 
 
 @pytest.fixture
 def planner(world: World) -> MotionPlanner:
-    """A planner that nothing was asked yet."""
+    """A planner that has not been used yet."""
     return MotionPlanner(world)
 
 
 @pytest.fixture(scope="session")
 def down() -> Callable[..., RigidTransform]:
-    """X_WG of a hand that points down at a position."""
+    """X_WG of a hand at a position, pointing down."""
 
     def pose(x: float, y: float, z: float, yaw: float = 0.0) -> RigidTransform:
         return RigidTransform(RotationMatrix.MakeZRotation(yaw) @ RotationMatrix.MakeXRotation(np.pi), [x, y, z])
@@ -68,7 +68,7 @@ def holding(world: World) -> Callable[..., Configuration]:
 
 @pytest.fixture(scope="session")
 def overlaps() -> Callable[[World, Configuration, FloatArray], dict[frozenset[str], float]]:
-    """Depths [m] of overlaps of arm or held box with anything, by plain SceneGraph queries on a diagram of its own."""
+    """Depths [m] at which the arm or held box overlaps anything, by plain SceneGraph queries on a separate diagram."""
 
     def depths(world: World, c: Configuration, q: FloatArray) -> dict[frozenset[str], float]:
         plant, scene_graph = world.plant, world.diagram.scene_graph()

@@ -1,4 +1,4 @@
-"""Derivatives of a trajectory, which only tests ask for."""
+"""Derivatives of a trajectory, which only tests need."""
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -8,6 +8,6 @@ from ictamp_drake.motion.trajectory import Trajectory
 
 
 def derivatives(trajectory: Trajectory, times: FloatArray, order: int) -> FloatArray:
-    """Derivative of an order at times, shape (m,) [s], as an array of shape (m, 7) [rad/s^order]."""
+    """Derivatives of the given order at times [s], shape (m,), as an array of shape (m, 7) [rad/s^order]."""
     spline = BSpline(trajectory.knots, trajectory.control_points, trajectory.order - 1)
     return np.asarray(spline.derivative(order)(times))

@@ -84,7 +84,7 @@ def test_padding_is_kept_from_the_scene(scene: CollisionScene, c: Configuration,
     assert 0.015 < clearance < 0.025
     assert scene.is_free(c, q, padding=clearance - 1e-3)
     assert not scene.is_free(c, q, padding=clearance + 1e-3)
-    assert scene.is_free(c, HOME, padding=0.05)  # parts of the arm need not keep it from each other
+    assert scene.is_free(c, HOME, padding=0.05)  # parts of the arm need not keep the padding from each other
     assert scene.clearance(c, q, 0.01) == 0.01
 
 
@@ -93,7 +93,7 @@ def test_padding_is_kept_from_the_scene(scene: CollisionScene, c: Configuration,
 def test_padding_means_that_no_distance_is_shorter(
     world: World, c: Configuration, down, holding, *, held: bool, padding: float
 ) -> None:
-    """However few distances are asked for, and beyond the padding up to which they are few."""
+    """This holds although few distances are computed, and also beyond the padding up to which they are few."""
     scene = CollisionScene(world, padding=0.005)
     if held:
         c = holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0, 0, 0.03]))

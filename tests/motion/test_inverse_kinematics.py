@@ -81,7 +81,7 @@ def test_travel_times_are_short_where_the_hand_is_and_infinite_out_of_reach(down
 
 @given(st.lists(shares, min_size=1, max_size=4), shares)
 def test_travel_times_are_the_least_of_all_postures(places: list[FloatArray], share: FloatArray) -> None:
-    """Although not all are looked at."""
+    """This holds although not all postures are examined."""
     q = ARM.lower + share * (ARM.upper - ARM.lower)
     X_WG = ARM.forward_all(ARM.lower + np.array(places) * (ARM.upper - ARM.lower))
     last = np.arange(ARM.lower[6], ARM.upper[6], ARM.config.travel_step)

@@ -16,7 +16,7 @@ START, END = np.array([-1.0, *[0.0] * 6]), np.array([1.0, *[0.0] * 6])
 
 
 def wall(q: FloatArray, shrunk: float = 0.0) -> bool:
-    """Free outside a wall across the first axis, with a way round it along the second one."""
+    """Free outside a wall across the first axis, which has a way around it along the second axis."""
     return not (abs(q[0]) < 0.3 - shrunk and q[1] < 0.4 - shrunk)
 
 
@@ -47,7 +47,7 @@ def test_same_seed_gives_the_same_path_whatever_came_before() -> None:
 
 def test_no_path_within_the_checks_is_none() -> None:
     assert find(max_checks=10) is None
-    assert find(margin=0.2) is None  # the way round is farther out than that
+    assert find(margin=0.2) is None  # the way around is farther out
 
 
 def test_checks_may_be_as_far_apart_as_the_margin_is_wide_and_no_further() -> None:
@@ -83,7 +83,7 @@ def test_interrupt_passes_through_the_library() -> None:
 
 
 def test_library_leaves_nothing_behind() -> None:
-    """Its objects are counted when the interpreter ends, and what was never freed is reported there."""
+    """At exit, the interpreter counts its objects and reports those that were never freed."""
     program = f"""
 import numpy as np
 from ictamp_drake.motion.config import PathConfig

@@ -29,7 +29,7 @@ def posture(planner: MotionPlanner, c: Configuration, X_WG: RigidTransform) -> F
 def check_free(
     world: World, planner: MotionPlanner, c: Configuration, planned: PlannedMotion | Refusal, overlaps
 ) -> PlannedMotion:
-    """From rest to rest, and free of collisions at 5 mm and 0.01 rad, twice as fine as promised, to plain queries."""
+    """Assert a motion from rest to rest without collisions at 5 mm and 0.01 rad, twice as fine as promised."""
     assert isinstance(planned, PlannedMotion), planned
     for q in sample(planned.trajectory, planner.kinematics.forward_all, 0.005, 0.01):
         assert max(overlaps(world, c, q).values(), default=0.0) < 1.5e-3  # the held box counts as 1 mm smaller
@@ -45,7 +45,7 @@ def test_posture_is_free_of_collisions(planner: MotionPlanner, c: Configuration,
 
 @pytest.mark.parametrize("place", [(0.0, 0.31, 0.06, 2.56), (-0.03, 0.33, 0.06, 1.78)])
 def test_posture_leaves_the_way_up_open(planner: MotionPlanner, c: Configuration, down, place) -> None:
-    """The nearest posture does not, another one does."""
+    """The nearest posture does not, but another one does."""
     X_WG, X_WG1 = down(*place), down(*place[:2], place[2] + 0.15, place[3])
     assert planner.kinematics.line(posture(planner, c, X_WG), X_WG1) is None
     q = planner.posture(c, X_WG, HOME, towards=X_WG1)
@@ -128,7 +128,7 @@ def test_transfer_passes_over_the_tower(world: World, planner: MotionPlanner, c:
 
 @pytest.mark.parametrize("rounds", [0, 6])
 def test_transfer_finds_a_way_by_sampling(world: World, c: Configuration, down, overlaps, rounds: int) -> None:
-    """The raised path is made useless by a height that the arm can't reach; what is too near is pushed away."""
+    """The arm cannot reach the height of the raised path; obstacles that are too near are pushed away."""
     corridors = ((0.3, 14), (0.1, 18), (0.03, 40)) if rounds == 0 else ((0.1, 14),)
     planner = MotionPlanner(world, MotionConfig(rise=3.0, corridors=corridors, push_rounds=rounds))
     q0, q1 = posture(planner, c, down(0.5, -0.1, 0.08)), posture(planner, c, down(0.5, 0.3, 0.09))

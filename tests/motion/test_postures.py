@@ -13,12 +13,12 @@ within_limits = shares.map(lambda share: LOWER + np.array(share) * (UPPER - LOWE
 
 
 def apart(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Greatest difference of an angle, whatever the turns."""
+    """Greatest difference of an angle, modulo full turns."""
     return np.abs(np.remainder(one - other + np.pi, 2 * np.pi) - np.pi).max(axis=-1)
 
 
 def existing_postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:
-    """Those of the postures that there are, shape (m, 7)."""
+    """The postures that exist, shape (m, 7)."""
     found = postures(X_BG, last)
     assert found.shape == (8, len(last), 7)
     there = np.isfinite(found).all(axis=2)
@@ -37,7 +37,7 @@ def test_all_hold_the_hand_where_it_shall_be(q: FloatArray, last: FloatArray) ->
 
 @given(within_limits)
 def test_every_posture_is_among_those_of_its_hand(q: FloatArray) -> None:
-    """But for those in which a turn of one joint can be undone by another: then there are more than can be listed."""
+    """Except where a turn of one joint can undo that of another: there are more such postures than can be listed."""
     (X_BG,) = forward(q[None])
     if min(abs(np.sin(q[1])), abs(np.cos(q[4]))) > 1e-3:
         assert apart(existing_postures(X_BG, q[6:]), q).min() < 1e-4

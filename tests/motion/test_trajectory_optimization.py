@@ -22,7 +22,7 @@ STEPS = np.array([[0.0] * 7, [0.5, 0.3, 0, 0.4, 0, 0.2, 0.3], [0.9, -0.2, 0.1, 0
 
 
 def check_limits(trajectory: Trajectory, config: TrajectoryConfig) -> FloatArray:
-    """The largest used part of each limit."""
+    """Greatest used fraction of each limit."""
     times = np.linspace(0.0, trajectory.duration, 2000)
     limits = np.array(ARM_LIMITS)
     qs = trajectory.positions(times)
@@ -57,7 +57,7 @@ paths = st.lists(st.tuples(shares, st.floats(0, 0.02)), min_size=1, max_size=5)
 
 
 def crooked_path(share: FloatArray, pieces: list[tuple[FloatArray, float]]) -> FloatArray:
-    """A path within the limits that turns at every point, shape (m, 7)."""
+    """Path within the limits that turns at every point, shape (m, 7)."""
     path = [LOWER + share * (UPPER - LOWER)]
     for towards, part in pieces:
         path.append(path[-1] + part * (LOWER + towards * (UPPER - LOWER) - path[-1]))
@@ -92,7 +92,7 @@ def test_following_a_path_takes_no_longer_than_optimizing_in_a_narrow_corridor(c
 
 @pytest.mark.parametrize("jerk", [0.002, 0.05])
 def test_limits_of_jerk_are_heeded_where_they_matter(jerk: float) -> None:
-    """Without them the quickest trajectory would break the lower ones."""
+    """Without them, the fastest trajectory would violate the lower limits."""
     config = TrajectoryConfig(jerk=jerk)
     for trajectory in (
         TrajectoryOptimizer(config).connect(HOME, HOME + STEPS[2]),

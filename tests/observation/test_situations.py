@@ -1,4 +1,4 @@
-"""Imagined situations are seen as the configurations are that they foretell."""
+"""Imagined situations look like the configurations that they predict."""
 
 import numpy as np
 from hypothesis import given
@@ -27,7 +27,7 @@ shifts = st.floats(-0.2, 0.2)
 
 
 def imagine(c: Configuration, action: Action, k: FloatArray, after: Configuration) -> Situations:
-    """c after the action, when its box goes where it is in another configuration."""
+    """c after the action, when its box ends where it is in another configuration."""
     moved = OBSERVER.measure_moved_box([(c, action)], after.poses[action.args[0]][None])
     return OBSERVER.situations([c]).predict_after(OBSERVER.steps([action]), k[None], moved)
 
@@ -41,7 +41,7 @@ def assert_seen_alike(situations: Situations, c: Configuration) -> None:
 
 
 def turn_box(c: Configuration, box: str, p_W: FloatArray, yaw: float, held: str | None) -> Configuration:
-    """c with a box shifted and turned about the vertical through its centre."""
+    """c with one box shifted, and turned about the vertical through its center."""
     X_WO = to_transform(c.poses[box])
     rotation = RotationMatrix.MakeZRotation(yaw) @ X_WO.rotation()
     pose = to_pose(RigidTransform(rotation, X_WO.translation() + p_W))

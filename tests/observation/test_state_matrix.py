@@ -1,4 +1,4 @@
-"""The primitive state matrix: what is in it, and what it must not depend on."""
+"""Content of the primitive state matrix, and its invariances."""
 
 import json
 from dataclasses import replace
@@ -30,13 +30,13 @@ shifts = st.floats(-3.0, 3.0)
 
 
 def resting_configuration(spec: SceneSpec) -> Configuration:
-    """The boxes where the specification puts them, the arm somewhere."""
+    """The boxes at their specified poses, and the arm somewhere."""
     q = np.array([0.1, -0.6, 0.2, -2.2, 0.1, 1.6, 0.5, 0.04, 0.04])
     return Configuration(q, {name: box.X_WO for name, box in spec.boxes.items()})
 
 
 def actions(spec: SceneSpec) -> list[Action]:
-    """A pick and two placements of the first box, sensible or not."""
+    """A pick and two placements of the first box, useful or not."""
     box = min(spec.boxes)
     others = [*spec.supports, *sorted(set(spec.boxes) - {box})]
     return [Action("pick", (box, others[0])), Action("place", (box, others[-1])), Action("place", (box, others[0]))]
@@ -55,7 +55,7 @@ def quantities(observation: Observation, rows: slice, *names: str) -> FloatArray
 
 
 def roles(observation: Observation) -> list[str]:
-    """Role of each row that is there."""
+    """Role of each row that is present."""
     names = ("grasped", "held", "place", "other")
     at = [SCHEMA.index(f"is_{name}") for name in names]
     assert np.all(observation.matrix[observation.mask][:, at].sum(axis=1) == 1)
@@ -68,7 +68,7 @@ def assert_same(one: Observation, other: Observation) -> None:
 
 
 def move_scene(spec: SceneSpec, c: Configuration, X: RigidTransform, degrees: float) -> tuple[SceneSpec, Configuration]:
-    """The whole scene moved by X, a shift and a turn by the angle about the vertical."""
+    """The whole scene moved by X: a shift, and a turn by the angle about the vertical."""
 
     def position(of: tuple[float, float, float]) -> tuple[float, float, float]:
         x, y, z = X @ np.array(of)

@@ -1,4 +1,4 @@
-"""Adaptive allocation: where the next step goes, and when another plan is opened."""
+"""Adaptive allocation: the choice of the next step, and when it opens another plan."""
 
 import math
 from dataclasses import dataclass, replace
@@ -43,7 +43,7 @@ def test_a_step_that_failed_once_is_repeated_before_an_earlier_one() -> None:
 
 
 def test_an_estimator_that_condemns_a_configuration_sends_the_search_back_at_once() -> None:
-    """P of the second step is as low as its door is narrow, so no attempt at it is lost where it cannot succeed."""
+    """P of the second step is as low as its door is narrow, so no attempt at it is wasted where it cannot succeed."""
 
     class Seeing(TableEstimator):
         def estimate(self, options):  # type: ignore[no-untyped-def]
@@ -60,7 +60,7 @@ def test_an_estimator_that_condemns_a_configuration_sends_the_search_back_at_onc
 
 
 def test_an_estimator_that_condemns_wherever_the_search_comes_is_not_trusted_for_ever() -> None:
-    """Every step succeeds, but P of the second is 0; running the first again would never bring a better node."""
+    """Every step succeeds, but P of the second is 0; repeating the first would never lead to a better node."""
     world = ToyWorld(size=(2, 0))
 
     class Blind(TableEstimator):
@@ -75,7 +75,7 @@ def test_an_estimator_that_condemns_wherever_the_search_comes_is_not_trusted_for
 
 
 def test_a_plan_whose_later_actions_are_blocked_is_left() -> None:
-    """The paper's rule looks at the first action alone, and goes on running the half that succeeds."""
+    """The paper's rule looks only at the first action, and continues to run the half that succeeds."""
     world = ToyWorld(size=(2, 1), walls=((2, 0),))
     result = toy_planner(world, rule=ADAPTIVE, steps=40).run()
     assert result.solved
@@ -115,7 +115,7 @@ def test_a_narrow_door_is_passed_with_every_seed() -> None:
 
 
 class Parked(NamedTuple):
-    """c: the state, and which boxes have been moved."""
+    """c: the state, and the boxes that were moved."""
 
     s: State
     moved: frozenset[str] = frozenset()
@@ -123,7 +123,7 @@ class Parked(NamedTuple):
 
 @dataclass(frozen=True)
 class ParkingLot:
-    """Boxes on a table of which none can be picked while another one stands where it stood at first."""
+    """Boxes on a table, each of which cannot be picked while the box in its way is at its initial place."""
 
     problem: Problem
     in_the_way: dict[str, str]
@@ -170,7 +170,7 @@ TINY = ParkingLot(
 
 
 def search_parking_lot(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) -> PlanningResult[Parked]:
-    """A search in the parking lot."""
+    """Run a search in the parking lot."""
     config = PlannerConfig(
         Budget(60.0, 200), rule=replace(ADAPTIVE, beliefs=replace(ADAPTIVE.beliefs, patience=patience))
     )
@@ -188,7 +188,7 @@ def search_parking_lot(patience: float = BeliefsConfig().patience, lot: ParkingL
 
 @pytest.mark.parametrize(("patience", "solved"), [(BeliefsConfig().patience, True), (math.inf, False)])
 def test_boxes_of_which_the_goal_does_not_speak_are_moved_out_of_the_way(patience: float, solved: bool) -> None:
-    """Each was moved on the table, which changes no state, so no plan does so unless it is asked to."""
+    """Each was moved on the table, which changes no state, so only plans that were asked to do so move it."""
     result = search_parking_lot(patience)
     assert result.solved is solved
     if result.plan is not None:
@@ -207,7 +207,7 @@ def test_boxes_are_moved_out_of_the_way_when_no_plain_plan_is_left() -> None:
 
 
 def test_where_a_box_cannot_be_moved_out_of_the_way_no_more_plans_are_asked_for() -> None:
-    """Each is in the way of the other, so no plan moves both first."""
+    """Each box blocks the other, so no plan moves both first."""
     result = search_parking_lot(lot=replace(TINY, in_the_way={"low": "tall", "tall": "low"}))
     assert not result.solved
     assert len(result.tree.openings) <= 6

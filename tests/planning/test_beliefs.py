@@ -1,4 +1,4 @@
-"""What a search learns about its steps: by hand, and laws of it."""
+"""Beliefs of a search about its steps: computed by hand, and their laws."""
 
 from dataclasses import replace
 from typing import Any
@@ -23,7 +23,7 @@ CELLS = {RIGHT: (1, 0), UP: (0, 1)}
 
 
 class Search:
-    """A tree with both plans, that grows by hand, and the beliefs about it."""
+    """A tree with both plans that grows by hand, and the beliefs about it."""
 
     def __init__(self, config: BeliefsConfig = CONFIG, right: float = 0.5, up: float = 0.8) -> None:
         self.tree = Tree(WORLD.start, abstraction(WORLD.start))
@@ -73,7 +73,7 @@ def test_a_failure_counts_as_often_as_it_tried_and_a_success_once() -> None:
 
 
 def test_attempts_on_the_same_edge_from_elsewhere_count_a_part() -> None:
-    """Either the start decides, so the failure counts in full; or the first step does, so it is one draw of others."""
+    """Either the start decides, so the failure counts fully; or the first step does, so it is one draw among others."""
     search = Search()
     search.attempt(ROOT, 0, success=True)
     search.attempt(1, 2, success=False)
@@ -163,7 +163,7 @@ def test_what_is_hoped_of_a_plan_knows_no_failures() -> None:
 
 
 def test_a_failure_at_an_obstacle_is_blamed_on_the_steps_that_put_things_there() -> None:
-    """Both ways have failed as often; but nothing that was moved was in the way, so the first step is not repeated."""
+    """Both ways failed equally often, but no moved object was in the way, so the first step is not repeated."""
     known, unknown = Search(), Search()
     for search, obstacles in ((known, ("wall",)), (unknown, ())):
         search.attempt(ROOT, 0, success=True)

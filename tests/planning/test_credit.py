@@ -1,4 +1,4 @@
-"""What attempts of an edge say about it elsewhere in the tree: by hand, and laws of it."""
+"""Evidence from attempts of an edge elsewhere in the tree: computed by hand, and its laws."""
 
 from collections.abc import Callable, Sequence
 
@@ -12,10 +12,10 @@ from tests.runs.programs import run_code
 
 STRENGTH = 2.0
 LINEAGES = ((0, 1, 2), (0, 1, 3), (0, 4, 5), (0, 4, 6, 7), (0, 8))
-"""Two pairs of siblings, one of which has a level more, and a node at the end of a shorter way."""
+"""Two pairs of siblings, one of them a level deeper, and a node at the end of a shorter path."""
 
 WAY = tuple(Action("put", args) for args in (("cup", "table"), ("saucer", "table"), ("cup", "saucer")))
-"""What leads to a node three steps from the root."""
+"""Path to a node three steps from the root."""
 
 Attempts = Sequence[tuple[int, bool]]
 attempts = st.lists(st.tuples(st.integers(0, len(LINEAGES) - 1), st.booleans()), max_size=12)
@@ -23,7 +23,7 @@ a_lineage = st.sampled_from(LINEAGES)
 
 
 def learn_attempts(history: Attempts) -> EdgeBelief:
-    """The belief when these attempts came in their order."""
+    """The belief after these attempts, in order."""
     belief = EdgeBelief(STRENGTH)
     for lineage, success in history:
         belief.learn(LINEAGES[lineage], success)
@@ -57,7 +57,7 @@ def test_attempts_from_one_node_update_its_beta_distribution() -> None:
 
 
 def test_a_sibling_shares_the_group_until_the_last_step_decides() -> None:
-    """Of three hypotheses two put siblings into one group; under the third the failure only lowers the common mean."""
+    """Two of three hypotheses put siblings into one group; under the third, the failure only lowers the common mean."""
     belief = learn_attempts([(0, False)])
     shared = STRENGTH * 0.6 / (STRENGTH + 1)
     alone = STRENGTH * 0.6 / (STRENGTH + STRENGTH / (STRENGTH + 1))
@@ -91,7 +91,7 @@ def test_P_of_a_node_to_come_is_like_that_of_nodes_nearby() -> None:
 
 
 def test_a_failure_between_objects_is_blamed_on_the_steps_that_put_them_there() -> None:
-    """The cup hits the saucer, so to move the saucer, or the cup onto it, may help; the cup's earlier move may not."""
+    """The cup hits the saucer, so moving the saucer or the cup onto it may help; the cup's earlier move may not."""
     belief = EdgeBelief(STRENGTH)
     for _ in range(500):
         belief.learn((0, 1, 2, 3), success=False)
@@ -136,7 +136,7 @@ def test_no_failure_raises_and_no_success_lowers_any_belief(history: Attempts, w
 def test_the_order_of_attempts_from_nodes_none_of_which_is_below_another_does_not_matter(
     history: Attempts, data: st.DataObject
 ) -> None:
-    """Those from below a node count as its own where r is more than its depth, but only if they came before its own."""
+    """Attempts from below a node count as its own where r exceeds its depth, but only if they came before its own."""
     shuffled = data.draw(st.permutations(history))
     assert everywhere(learn_attempts(shuffled)) == pytest.approx(everywhere(learn_attempts(history)))
 
@@ -171,7 +171,7 @@ def test_news_count_where_it_was_asked_before(learn: Callable[[EdgeBelief], obje
 
 
 def belief_with_blame() -> EdgeBelief:
-    """The belief when failures came about between other objects each time."""
+    """The belief when each failure was between other objects."""
     belief = learn_attempts([(0, False)] * 6)
     for objects in (("cup",), ("saucer", "shelf"), ("cup", "saucer"), ("shelf",), ("table", "cup"), ()):
         belief.blame(objects)
@@ -180,7 +180,7 @@ def belief_with_blame() -> EdgeBelief:
 
 @pytest.mark.parametrize("hash_seed", [1, 2])
 def test_beliefs_do_not_depend_on_the_order_of_sets(hash_seed: int) -> None:
-    """To the last bit, which decides among equals."""
+    """They agree to the last bit, which decides between equals."""
     code = (
         "from tests.planning.test_credit import belief_with_blame, everywhere; print(everywhere(belief_with_blame()))"
     )

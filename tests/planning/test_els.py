@@ -1,4 +1,4 @@
-"""Effort level search: levels by hand, and what its constants do."""
+"""Effort level search: levels computed by hand, and effects of its constants."""
 
 import numpy as np
 import pytest
@@ -47,14 +47,14 @@ def test_the_node_of_the_least_level_is_served() -> None:
     search.runs(ROOT, 0, seconds=0.2)  # attempt 0 at 0.5, before plan 1 at 1
     search.opens(seconds=0.25)  # plan 1 at 1; its attempts begin at 1.25
     search.runs(ROOT, 1, seconds=0.4, success=True)  # attempt 0 of plan 1 at 1.25, before attempt 1 of plan 0 at 1.5
-    search.runs(ROOT, 0, seconds=0.2)  # at 1.5, before what plan 1 led to at 1.25 + 0.4
+    search.runs(ROOT, 0, seconds=0.2)  # at 1.5, before the result of plan 1 at 1.25 + 0.4
     search.runs(1, 2, seconds=0.1)  # the rest of plan 1, at 1.65
 
 
 def test_a_node_that_is_not_complete_waits_with_its_effort() -> None:
     search = Search(ElsConfig(eps=0.0))
     search.opens(seconds=0.75, came=False)  # goes on at 0.75, before its sibling at 1
-    search.opens(seconds=0.5)  # the plan has come; its attempts begin at 1.25
+    search.opens(seconds=0.5)  # the plan has arrived; its attempts begin at 1.25
     search.opens(seconds=0.0)  # plan 1 at 1
     search.runs(ROOT, 1, seconds=0.1)
 

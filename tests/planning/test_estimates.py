@@ -1,4 +1,4 @@
-"""What estimators of one's own may say of steps."""
+"""Valid answers of your own estimators about steps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ OPTION = ToyConfiguration((0, 0), 0.0), Skeleton((frozenset(),) * 3, (RIGHT, UP)
 
 @dataclass(frozen=True)
 class Saying:
-    """Says the same of any steps."""
+    """An estimator that gives the same answer for any steps."""
 
     values: Any
 

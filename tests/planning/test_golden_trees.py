@@ -1,4 +1,4 @@
-"""Whole searches against recorded ones: `pytest tests/planning --force-regen` rewrites the records on purpose."""
+"""Whole searches agree with recorded ones: `pytest tests/planning --force-regen` rewrites the records on purpose."""
 
 import json
 from dataclasses import asdict

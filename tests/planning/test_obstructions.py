@@ -1,4 +1,4 @@
-"""What a search learns about boxes in the way: by hand, with actions on a table."""
+"""Obstructions that a search learns: computed by hand, with actions on a table."""
 
 import math
 
@@ -14,7 +14,7 @@ ASIDE = (Action("pick", ("tall", "table")), Action("place", ("tall", "table")))
 
 
 class Search:
-    """Picks that succeed, or fail at one thing for each k."""
+    """Picks that succeed, or fail at one obstacle for each k."""
 
     def __init__(self, patience: float = 2.0) -> None:
         self.obstructions = Obstructions(patience)

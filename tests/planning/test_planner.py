@@ -1,4 +1,4 @@
-"""The whole search in the toy world: what it solves, what it tells, and when it stops."""
+"""The whole search in the toy world: problems that it solves, events that it reports, and when it stops."""
 
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -248,7 +248,7 @@ def test_a_heavier_W_opens_more_plans() -> None:
 
 
 def test_the_root_keeps_being_tried() -> None:
-    """The paper's node 2 of Figure 1: a solved step is run again to find another configuration."""
+    """Node 2 in the paper's Figure 1: a solved step is repeated to find another configuration."""
     result = toy_planner(replace(SURE, doors={(2, 1): 0.05}), steps=None).run()
     assert sum(step.node == ROOT and step.child is not None for step in result.tree.steps) > 1
 
@@ -271,7 +271,7 @@ def test_a_wrong_constant_is_refused(bad, field: str, value: float) -> None:  # 
 
 @dataclass
 class ToyPhysics:
-    """Confirms what was promised, a little to the side, unless the cell is a bog; keeps what it was asked."""
+    """Physics that confirms promises with a slight offset, except in bogs, and records its calls."""
 
     bogs: tuple[tuple[int, int], ...] = ()
     asked: list[tuple[ToyConfiguration, Attempt[ToyConfiguration]]] = field(default_factory=list)
@@ -321,7 +321,7 @@ def test_a_step_that_physics_refuses_is_blamed_and_the_search_goes_on_elsewhere(
 
 
 def test_what_physics_confirmed_is_not_run_again() -> None:
-    """The second step is refused at first; the first one was confirmed, and the next plan goes on from there."""
+    """The second step is refused at first; the first one was confirmed, and the next plan continues from there."""
     answers = iter([False, True])
 
     @dataclass

@@ -1,4 +1,4 @@
-"""The paper's rule: what it draws, in which proportion, and what it asks of the estimator."""
+"""The paper's rule: its draws, their proportions, and its queries to the estimator."""
 
 from collections import Counter, defaultdict
 from dataclasses import replace
@@ -24,7 +24,7 @@ DRAWS = 20_000
 
 
 def grown_tree() -> Tree[ToyConfiguration]:
-    """Two plans at the root; three nodes hold the rest of the first, attempted 0, 1 and 3 times."""
+    """Two plans at the root; three nodes hold the rest of the first, with 0, 1 and 3 attempts."""
     tree = Tree(WORLD.start, abstraction(WORLD.start))
     tree.record_opening(RIGHT_UP, 10)
     tree.record_opening(UP_RIGHT, 4)
@@ -48,7 +48,7 @@ def assert_in_proportion(counts: Counter[Option], weights: dict[Option, float]) 
 
 
 def expected_weights() -> dict[Option, float]:
-    """By hand from the paper: plan 2 is at first drawn a node with 1 : 1/2 : 1/4, and then scored by it."""
+    """Weights by hand from the paper: plan 2 first draws a node with 1 : 1/2 : 1/4, and is then scored by it."""
     nodes = {1: 1, 2: 1 / 2, 3: 1 / 4}
     chance = {node: weight / sum(nodes.values()) for node, weight in nodes.items()}
     fixed: dict[Option, float] = {OpenPlan(): 2.0 / 4, RunStep(0, 0): 0.6 / 4, RunStep(0, 1): 0.1}

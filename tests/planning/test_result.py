@@ -1,4 +1,4 @@
-"""Where the effort went, from the tree of a search."""
+"""Allocation of effort, computed from the tree of a search."""
 
 import pickle
 from collections import Counter

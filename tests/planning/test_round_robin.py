@@ -1,4 +1,4 @@
-"""Round robin: every plan has its turn."""
+"""Round robin: every plan gets its turn."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ STUCK = ToyWorld(size=(1, 2), success=0.4, walls=((1, 2),))
 
 
 def rounds(tree: Tree[ToyConfiguration]) -> list[list[int]]:
-    """The plans that were run between two openings."""
+    """Plans that were run between two openings."""
     found: list[list[int]] = [[]]
     for entry in tree.log:
         if isinstance(entry, Opening):

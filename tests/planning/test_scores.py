@@ -1,4 +1,4 @@
-"""The formulas of the paper, and drawing in proportion."""
+"""The formulas of the paper, and proportional draws."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""STAP's way: all plans up to a depth, each with its parameters, the best first."""
+"""STAP's strategy: all plans up to a depth, each with its parameters, the best first."""
 
 from dataclasses import replace
 

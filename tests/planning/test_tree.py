@@ -1,4 +1,4 @@
-"""The tree records what it is told and decides nothing."""
+"""The tree records what happened and makes no decisions."""
 
 import json
 

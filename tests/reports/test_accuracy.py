@@ -1,4 +1,4 @@
-"""Estimates against counted success: laws of the figures and their intervals."""
+"""Estimates and counted success: laws of the metrics and their intervals."""
 
 from itertools import pairwise
 
@@ -27,7 +27,7 @@ PROBABILITY = st.floats(0, 1)
 
 @st.composite
 def counts(draw: st.DrawFn) -> Counts:
-    """Cases in two scenes or more, with successes and failures."""
+    """Cases in at least two scenes, with successes and failures."""
     size = draw(st.integers(2, 12))
     attempts = np.array(draw(st.lists(st.integers(1, 9), min_size=size, max_size=size)), dtype=np.float64)
     successes = np.array([float(draw(st.integers(0, int(each)))) for each in attempts])
@@ -38,7 +38,7 @@ def counts(draw: st.DrawFn) -> Counts:
 
 @st.composite
 def judged_cases(draw: st.DrawFn, estimators: int = 1) -> tuple[Counts, list[FloatArray]]:
-    """Cases and what estimators say of them."""
+    """Cases with the estimates of each estimator."""
     found = draw(counts())
     lists = st.lists(PROBABILITY, min_size=len(found), max_size=len(found))
     return found, [np.array(draw(lists)) for _ in range(estimators)]
@@ -52,7 +52,7 @@ def singly(found: Counts, P: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def simulate_cases(scenes: int = 60, cases: int = 3, executions: int = 40) -> tuple[list[Case], FloatArray]:
-    """Cases whose true probabilities have a part that is common to the scene, and these probabilities."""
+    """Cases whose true probabilities share a component per scene, and these probabilities."""
     rng = np.random.default_rng(0)
     logits = np.repeat(rng.normal(0.5, 1.5, scenes), cases) + rng.normal(size=scenes * cases)
     truth = 1 / (1 + np.exp(-logits))
@@ -130,7 +130,7 @@ def test_samples_take_scenes_as_a_whole(found: Counts) -> None:
 
 
 def test_an_interval_is_as_wide_as_the_figure_varies() -> None:
-    """Of the mean of one number a scene, its standard error times 1.96 to either side."""
+    """For the mean of one number per scene: its standard error times 1.96 on either side."""
     P = np.random.default_rng(0).random(400)
     found = Counts(np.arange(400), np.ones(400), np.arange(400) % 2.0)
     error = figures_of(found, P, resample_scenes(found))["error"]

@@ -1,4 +1,4 @@
-"""Pictures of estimates against counted success."""
+"""Figures of estimates against counted success."""
 
 from pathlib import Path
 

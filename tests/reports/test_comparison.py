@@ -1,4 +1,4 @@
-"""Paired comparisons say no more than the runs show."""
+"""Paired comparisons claim no more than the runs show."""
 
 import math
 from dataclasses import replace

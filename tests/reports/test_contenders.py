@@ -1,4 +1,4 @@
-"""The estimators that are compared, and the base rates."""
+"""The estimators under comparison, and the base rates."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from tests.refusals import refusal
 
 @pytest.fixture(scope="module")
 def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Untrained, but the estimator of picks knows its base rate."""
+    """Untrained networks, except that the estimator of picks knows its base rate."""
     folder = write_untrained(tmp_path_factory.mktemp("checkpoints"))
     plain = load(folder, "estimator", "pick")
     names = ("kind", "skill", "arrays", "network", "provenance")

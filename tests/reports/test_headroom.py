@@ -1,4 +1,4 @@
-"""The virtual best is as good as the best strategy of each problem, and every plan is executed."""
+"""The virtual best equals the best strategy of each problem, and every plan is executed."""
 
 from hypothesis import given
 from hypothesis import strategies as st

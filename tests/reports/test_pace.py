@@ -1,4 +1,4 @@
-"""Times at equal pace: what a slower machine added is taken away, level by level, and nothing else."""
+"""Times at equal pace: the delay of a slower machine is removed per level, and nothing else changes."""
 
 import pytest
 
@@ -8,7 +8,7 @@ from tests.runs.recorded import LIMIT, run, table
 
 
 def measured_runs(strategy: str, seconds: float, pace: float, **values: object) -> list[Record]:
-    """Runs of three problems in which a second of the plan took so long to compute, and one that found none."""
+    """Runs of three problems with the given computing time per second of the plan, and one run without a plan."""
     values |= {"plan_duration_s": 10.0, "replay_time_s": 10.0 * pace}
     solved = [run(strategy, number, seconds, **values) for number in range(3)]
     return [*solved, run(strategy, 3, LIMIT, solved=False, level=values.get("level", "easy"))]

@@ -1,4 +1,4 @@
-"""Estimators asked about recorded cases."""
+"""Estimates of recorded cases."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,7 +23,7 @@ EASY = 8  # number of a training scene whose goal takes several actions
 
 @pytest.fixture(scope="module")
 def cases(tmp_path_factory: pytest.TempPathFactory) -> list[Case]:
-    """Picks in two scenes, of the second one of two boxes."""
+    """Picks in two scenes, two boxes in the second one."""
     tried = [(EASY, None), (EASY + 1, None)]
     rows = [picks(number, [True, False], box) for number, box in tried]
     found = read_cases(folder_of(tmp_path_factory.mktemp("attempts"), *rows), "pick", least=2)
@@ -34,7 +34,7 @@ def cases(tmp_path_factory: pytest.TempPathFactory) -> list[Case]:
 
 
 def _support_of(case: Case) -> str:
-    """What the case's box stands on."""
+    """Object on which the case's box stands."""
     state = SceneAbstraction(World(training_scene(case.scene)))(case.c)
     (on,) = (
         atom.args[1] for atom in state if atom.predicate in ("on", "lying") and atom.args[0] == case.action.args[0]
@@ -44,7 +44,7 @@ def _support_of(case: Case) -> str:
 
 @dataclass
 class Lengths:
-    """An estimator that notes what it is asked and answers by the lengths of the plans."""
+    """An estimator that records its queries and answers with the lengths of the plans."""
 
     asked: list[tuple[Hashable, Skeleton]] = field(default_factory=list)
 

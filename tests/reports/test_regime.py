@@ -1,4 +1,4 @@
-"""What is read from the folder of a run."""
+"""Tables read from the folder of a run."""
 
 from itertools import product
 from pathlib import Path

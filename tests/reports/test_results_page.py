@@ -1,4 +1,4 @@
-"""The page of results holds everything, and says it plainly."""
+"""The page of results is complete and plain."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Where the effort goes, in tables."""
+"""Tables of the allocation of effort."""
 
 from ictamp_drake.reports.search_tables import effort, failures, interference, stages
 from tests.runs.recorded import run, table
@@ -12,7 +12,7 @@ RUNS = table(
 
 
 def rows(lines: list[str]) -> list[list[str]]:
-    """The cells of all rows below the headings."""
+    """Cells of all rows below the headings."""
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
 

@@ -1,4 +1,4 @@
-"""Comparisons, summed up and as a table."""
+"""Comparisons in words and as a table."""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A Ray cluster on this machine, with one core a node."""
+"""A Ray cluster on this machine, with one core per node."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,7 +7,7 @@ import pytest
 from ray.cluster_utils import Cluster
 
 MEMORY = 100_000_000
-"""Of each node, for what tasks return [bytes]."""
+"""Memory of each node for the results of tasks [bytes]."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Programs of the package run as their users run them: in a process of their own."""
+"""Programs of the package, run as users run them: in their own processes."""
 
 import os
 import subprocess
@@ -20,18 +20,18 @@ goal: (on red_box rack)
 
 
 def command(program: str, *arguments: str | Path) -> list[str]:
-    """The command line that runs a program."""
+    """Command line that runs a program."""
     return [sys.executable, "-m", f"ictamp_drake.{program}", *map(str, arguments)]
 
 
 def environment(hash_seed: int = 0) -> dict[str, str]:
-    """Variables in which a program finds this package from any folder."""
+    """Environment variables with which programs find this package from any folder."""
     root = Path(__file__).parents[2]
     return {**os.environ, "PYTHONPATH": str(root), "PYTHONHASHSEED": str(hash_seed)}
 
 
 def run(program: str, *arguments: str | Path, folder: Path, hash_seed: int = 0) -> subprocess.CompletedProcess[str]:
-    """Run a program in a folder to its end."""
+    """Run a program in a folder until it ends."""
     return subprocess.run(
         command(program, *arguments),
         cwd=folder,
@@ -44,13 +44,13 @@ def run(program: str, *arguments: str | Path, folder: Path, hash_seed: int = 0) 
 
 
 def run_code(code: str, hash_seed: int) -> str:
-    """What Python code prints in a process of its own, where sets have an order of their own."""
+    """Output of Python code in a separate process, with a different order of sets."""
     command = [sys.executable, "-c", code]
     return subprocess.run(command, env=environment(hash_seed), capture_output=True, text=True, check=True).stdout
 
 
 def timeless(record: Record) -> dict[str, object]:
-    """What a record says apart from times and the machine's load."""
+    """Content of a record without times and the machine's load."""
     times = {"planning_time_s", "cpu_time_s", "kinematic_time_s", "geometric_time_s", "replay_time_s", "load"}
     values = {name: value for name, value in vars(record).items() if name not in times}
     return values | {"seconds_by_stage": set(record.seconds_by_stage)}

@@ -1,4 +1,4 @@
-"""Records of runs that never were, for what is made of records."""
+"""Invented records of runs, for tests of their evaluation."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -28,7 +28,7 @@ CONDITIONS = {
 
 
 def run(strategy: str, number: int = 0, seconds: float = 4.0, **values: Any) -> Record:
-    """A solved run of an easy problem; with `solved=False` one that ran out of time."""
+    """A solved run of an easy problem; with `solved=False`, a run that reached the time limit."""
     solved = values.pop("solved", True)
     steps = values.pop("low_level_steps", 6)
     level = values.pop("level", "easy")
@@ -53,12 +53,12 @@ def run(strategy: str, number: int = 0, seconds: float = 4.0, **values: Any) -> 
 
 
 def table(*records: Record, time_limit: float | None = LIMIT) -> pd.DataFrame:
-    """The records as what is reported."""
+    """Records as the table that reports use."""
     return tabulate_runs(records, time_limit)
 
 
 def folder_of(folder: Path, records: Iterable[Record], config: Mapping[str, Any] | None = CONDITIONS) -> Path:
-    """A folder of a run with the records, and with its configuration if there is one."""
+    """Folder of a run with the records, and with its configuration if given."""
     folder.mkdir(parents=True)
     (folder / RESULTS).touch()
     for record in records:

@@ -1,4 +1,4 @@
-"""A sweep on a real Ray cluster of two nodes, one of which is killed in the midst of it."""
+"""A sweep on a real Ray cluster of two nodes, one of which is killed during the sweep."""
 
 import os
 import time
@@ -34,7 +34,7 @@ def cluster() -> Iterator[Cluster]:
 
 
 def square_or_fail(number: int) -> int:
-    """What a task may come to: a result, an error, a death or no end."""
+    """Return a result, raise an error, die or never end."""
     if number == 1:
         raise ValueError("one")
     if number == 2:

@@ -1,4 +1,4 @@
-"""The run folder: new ones, continued ones, and all that cannot be continued."""
+"""Run folders: new ones, continued ones, and those that cannot be continued."""
 
 import os
 from dataclasses import replace
@@ -187,7 +187,7 @@ def test_how_a_run_is_carried_out_may_change() -> None:
 
 
 def comparison_config(what: str, **values: float) -> dict[str, object]:
-    """What a comparison is about, each strategy or scene with one figure."""
+    """Configuration of a comparison, with one value for each strategy or scene."""
     return {"program": "runner", what: {name: {"figure": value} for name, value in values.items()}}
 
 

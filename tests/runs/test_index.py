@@ -1,4 +1,4 @@
-"""The page of a run tells what its records tell, and what lies beside them."""
+"""The page of a run agrees with its records and the files beside them."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Tasks in this process come to what they come to, and those that take too long are ended."""
+"""Tasks in this process end with results or errors, and those that take too long are ended."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ def fail() -> None:
 
 
 def loop() -> None:
-    """Take what is raised for a mistake of one's own, and go on for ever."""
+    """Catch every ordinary exception, and run forever."""
     while True:
         with suppress(Exception):
             time.sleep(0.01)

@@ -1,4 +1,4 @@
-"""What a program says at the end."""
+"""Final output of a program."""
 
 from io import StringIO
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What is seen while a run works, with and without a terminal."""
+"""Output while a run works, with and without a terminal."""
 
 from io import StringIO
 from multiprocessing import get_context

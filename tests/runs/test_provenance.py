@@ -1,4 +1,4 @@
-"""Where results come from."""
+"""Provenance of results."""
 
 import subprocess
 from pathlib import Path
@@ -17,7 +17,7 @@ def test_the_commit_is_that_of_the_package(tmp_path: Path) -> None:
     package.mkdir()
     (package / "__init__.py").touch()
     git(tmp_path, "init", "--quiet")
-    assert commit(package) is None  # below a repository that does not know it
+    assert commit(package) is None  # inside a repository that does not track it
     git(tmp_path, "add", ".")
     git(tmp_path, "commit", "--quiet", "-m", "First")
     assert commit(package) == git(tmp_path, "rev-parse", "HEAD")

@@ -1,4 +1,4 @@
-"""results.jsonl: what is written is read back, whatever interrupts the writing."""
+"""results.jsonl: records are read back as written, whatever interrupts the writing."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""A single job in this process leaves what it leaves in a worker, and its result is told before its pages are made."""
+"""A single job in this process leaves the same files as in a worker, and reports its result before its pages."""
 
 import os
 import signal
@@ -39,7 +39,7 @@ def job() -> Job:
 
 
 def impossible(job: Job) -> Job:
-    """The job in a scene where a box hangs in the air."""
+    """Job in a scene in which a box hangs in the air."""
     spec = job.problem.spec
     name, box = next(iter(spec.boxes.items()))
     hanging = replace(spec, boxes={**spec.boxes, name: replace(box, position=(0.5, 0.0, 0.9))})
@@ -47,7 +47,7 @@ def impossible(job: Job) -> Job:
 
 
 class Told:
-    """What a sweep tells, with the files that are there at that moment."""
+    """Events of a sweep, each with the files that exist at that moment."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -79,7 +79,7 @@ def test_the_result_is_told_before_its_pages_are_made(job: Job, tmp_path: Path) 
 def test_a_job_in_this_process_leaves_what_it_leaves_in_a_worker(job: Job, tmp_path: Path) -> None:
     here, there = done(job, tmp_path / "here"), done(job, tmp_path / "there", alone=False)
     assert timeless(here.records[0]) == timeless(there.records[0])
-    for name in ("scene.yaml", "plan.yaml", *(PAGES - {"search.html"})):  # which tells what the steps took
+    for name in ("scene.yaml", "plan.yaml", *(PAGES - {"search.html"})):  # which has the times of the steps
         assert (tmp_path / "here" / "scene" / name).read_bytes() == (tmp_path / "there" / "scene" / name).read_bytes()
 
 
@@ -144,7 +144,7 @@ def test_pages_that_never_end_are_given_up(job: Job, tmp_path: Path, monkeypatch
 
 
 def interrupt_sweep(job: Job, folder: Path, *, steps: int = 0, times: int = 1) -> bool:
-    """Sweep the job until Ctrl-C is pressed so often after some of its steps."""
+    """Sweep the job until Ctrl-C is pressed the given number of times after some of its steps."""
     folder.mkdir()
     boards: list[Board] = []
 

@@ -1,4 +1,4 @@
-"""What is said at the end of a run."""
+"""Table at the end of a run."""
 
 import pytest
 from rich.console import Console

@@ -1,4 +1,4 @@
-"""Boxes, rack and arm of a packing scene as Drake's solids, and what carries each box."""
+"""Boxes, rack and arm of a packing scene as Drake's solids, and the support of each box."""
 
 import itertools
 from typing import Any
@@ -50,7 +50,7 @@ def distances(spec: SceneSpec) -> dict[frozenset[str], float]:
 
 
 def carriers(spec: SceneSpec) -> dict[str, str]:
-    """What each box stands on: the box whose top face is at its bottom face and below its centre, or a support."""
+    """Support of each box: the box whose top face touches its bottom face below its center, or a scene's support."""
     found = {}
     for name, box in spec.boxes.items():
         bottom = box.position[2] - height(box) / 2
@@ -72,7 +72,7 @@ def foot(name: str, carried_by: dict[str, str]) -> str:
 
 
 def check_clearances(spec: SceneSpec) -> None:
-    """Assert that boxes touch what carries them and keep clear of all else."""
+    """Assert that boxes touch their supports and keep clear of everything else."""
     carried_by = carriers(spec)
     for pair, distance in distances(spec).items():
         boxes = sorted(pair - {"rack", "arm"})

@@ -1,4 +1,4 @@
-"""Laws of the problems of the level `extreme`, for any number and seed; distances are Drake's, between the solids."""
+"""Laws of the problems of the level `extreme`, for any number and seed. Distances are Drake's, between the solids."""
 
 import itertools
 import math
@@ -110,7 +110,7 @@ def test_there_is_room_on_the_rack_for_circles_about_both_towers(spec: SceneSpec
 
 
 def _tower_radii(spec: SceneSpec) -> dict[str, float]:
-    """Radius of a circle that holds all boxes of a tower of the goal, by its foot [m]."""
+    """Radius of a circle that contains all boxes of a tower of the goal, by the tower's lowest box [m]."""
     below = _below(spec)
     feet = [name for name, support in below.items() if support == "rack"]
     towers = {each: [name for name in below if _base(name, below) == each] for each in feet}
@@ -131,7 +131,7 @@ def _radius(box: BoxSpec) -> float:
 
 
 def _fit(circles: list[tuple[tuple[float, ...], float]], radii: list[float]) -> bool:
-    """Whether further circles find a place on the rack, on a grid of 5 mm."""
+    """Whether the remaining circles find places on the rack, on a grid of 5 mm."""
     if not radii:
         return True
     radius, *others = radii

@@ -1,4 +1,4 @@
-"""Stacks at rest and spots for them."""
+"""Stacks at rest, and spots for them."""
 
 import itertools
 import math

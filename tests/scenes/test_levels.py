@@ -1,4 +1,4 @@
-"""The committed problem files and how they are selected."""
+"""The committed problem files, and how to select them."""
 
 from collections import Counter
 

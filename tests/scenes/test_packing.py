@@ -1,4 +1,4 @@
-"""Laws of generated packing problems, for any level, number and seed; distances are Drake's, between the solids."""
+"""Laws of generated packing problems, for any level, number and seed. Distances are Drake's, between the solids."""
 
 import itertools
 import subprocess

@@ -1,4 +1,4 @@
-"""Training scenes: always the same, never a problem, and wider than the problems."""
+"""Training scenes are reproducible, differ from all problems, and vary more widely."""
 
 import hashlib
 import itertools
@@ -18,7 +18,7 @@ WIDER = [spec for number, spec in enumerate(SCENES) if number % CYCLE >= len(PAP
 
 
 def places(spec: SceneSpec) -> tuple[object, ...]:
-    """Where the boxes are, by which scenes are told apart."""
+    """Places of the boxes, which tell scenes apart."""
     return tuple((name, box.size, box.position, box.rotation) for name, box in sorted(spec.boxes.items()))
 
 

@@ -1,4 +1,4 @@
-"""Everything that a test of skills needs in one scene, put together as a program does it."""
+"""Everything that tests of skills need in one scene, put together as a program does it."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -43,7 +43,7 @@ class Rig:
         return Domain.create(sorted(spec.boxes), sorted(spec.supports), self.abstraction(self.start))
 
     def promised_state(self, c: Configuration, action: Action) -> State:
-        """What the action promises in c."""
+        """State that the action promises in c."""
         return self.domain.successor(self.abstraction(c), action)
 
     def attempt(

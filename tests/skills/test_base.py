@@ -1,4 +1,4 @@
-"""How far the hand is told to open."""
+"""Commanded opening of the hand."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""From k to the hand's pose and back, and what k means when things are elsewhere."""
+"""From k to the hand's pose and back, and the meaning of k when objects are elsewhere."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_grasp_parameter_is_the_inverse_of_grasp_pose(
 def test_the_needed_opening_just_holds_the_box(
     world: World, k: FloatArray, roll: float, yaw: float, tilt: float
 ) -> None:
-    """The corner that is furthest from the middle of the hand, along its fingers' direction, touches a finger."""
+    """The corner furthest from the middle of the hand, along the fingers' direction, touches a finger."""
     c = arrange(world, {"red_box": pose(0.5, 0.1, 0.1, roll=roll, pitch=tilt, yaw=yaw)})
     X_WG = grasp_pose(world, c, "red_box", k)
     corners = np.array(np.meshgrid(*[(-side / 2, side / 2) for side in SIZES["red_box"]])).reshape(3, -1)

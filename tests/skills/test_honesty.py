@@ -1,4 +1,4 @@
-"""Nothing passes through anything: every step of whole picks and places, looked at with plain geometry queries."""
+"""Nothing passes through anything: plain geometry queries examine every step of whole picks and places."""
 
 from collections import defaultdict
 
@@ -18,17 +18,19 @@ from tests.skills.test_skills import ON_THE_TABLE, TIPPED, TOWER, TOWER_ON_RACK
 from tests.world.scenes import p_GO
 
 GRIP, TOUCH, CARRIED, LANDING, REST, OTHERS = 5e-4, 1e-3, 5e-4, 1e-3, 1e-4, 5e-4
-"""How deep things may be in each other [m]: fingers in the gripped box, arm in anything, the box in anything while it
-is carried, when it lands after its release, and at rest; other boxes in anything."""
+"""Maximum penetrations [m]: fingers into the gripped box, arm into anything, the box into anything while it is carried,
+when it lands after its release, and at rest; other boxes into anything.
+"""
 SLIP, FINE_SLIP = 5e-3, 2e-3
-"""How far the held box may move in the hand [m], at the planning step and at 1 ms. Free bodies go straight on for a
-step, so a box that is carried round a curve drifts outwards in proportion to the step; friction can't bring it back."""
+"""Maximum motion of the held box in the hand [m], at the planning step and at 1 ms. Free bodies move straight during a
+step, so a box that is carried around a curve drifts outwards in proportion to the step; friction cannot bring it back.
+"""
 
 Deepest = dict[tuple[str, str], float]
 
 
 def execute_motion(spec: SceneSpec, c: Configuration, motion: Motion, time_step: float | None = None) -> list[Frame]:
-    """Every step of a motion, simulated once more."""
+    """Every step of a motion, simulated again."""
     step = time_step or PhysicsConfig().time_step
     physics = PhysicsConfig(time_step=step, record_period=step).create(World(spec))
     frames = physics.frames(physics.run(c, motion).recording)
@@ -37,7 +39,7 @@ def execute_motion(spec: SceneSpec, c: Configuration, motion: Motion, time_step:
 
 
 def grips(spec: SceneSpec, c: Configuration, motion: Motion) -> set[tuple[bool, str | None]]:
-    """Whether the gripper presses, and what it holds, at the end of each segment of a motion."""
+    """Whether the gripper presses, and the object it holds, at the end of each segment of a motion."""
     seen = set()
 
     def watch(segment: Segment, physics: Physics) -> bool:
@@ -49,7 +51,7 @@ def grips(spec: SceneSpec, c: Configuration, motion: Motion) -> set[tuple[bool, 
 
 
 def slip(world: World, held: list[Frame], box: str) -> float:
-    """How far the box moves in the hand [m]."""
+    """Distance that the box moves in the hand [m]."""
     places = np.array([p_GO(world, frame.c, box) for frame in held[::10]])
     return float(np.linalg.norm(places - places[0], axis=1).max())
 
@@ -118,7 +120,7 @@ def test_a_box_carried_round_a_curve_stays_in_place_at_a_fine_step() -> None:
 
 
 def test_a_finger_that_cuts_into_a_box_does_not_hold_it() -> None:
-    """At this k a vertical edge gets between two contact points of the box, and 5 mm deep into a finger's pad."""
+    """With this k, a vertical edge gets between two contact points of the box, and 5 mm deep into a finger's pad."""
     setup = rig(load_scene(problem_files("varied")[1]), draws=1)
     k = np.array([0.04685, 0.00228, -0.009814, 0.542513])
     attempt = setup.attempt(setup.start, pick("box_2", "table"), k=k)
@@ -130,7 +132,7 @@ def test_a_finger_that_cuts_into_a_box_does_not_hold_it() -> None:
 
 
 def test_the_check_sees_a_hand_in_a_box() -> None:
-    """A motion that goes straight through a box must not escape it."""
+    """The check must detect a motion that goes straight through a box."""
     setup = rig(TOWER)
     attempt = setup.attempt(setup.start, pick("blue_box", "red_box"))
     blind = {**setup.start.poses, "blue_box": np.array([1.0, 0, 0, 0, 0.5, 0.1, 0.3])}

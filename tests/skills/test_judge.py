@@ -1,4 +1,4 @@
-"""Each verdict from a hand-made outcome."""
+"""Each verdict, from an outcome made by hand."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ PICK, PLACE = Action("pick", ("red", "table")), Action("place", ("red", "rack"))
 
 
 def outcome(*, settled: bool = True, stopped_after: str | None = None) -> Outcome:
-    """Where a simulation ended that nobody recorded."""
+    """An unrecorded outcome of a simulation."""
     recording = Recording(np.zeros(1), np.zeros((1, 0)))
     return Outcome(C, settled and stopped_after is None, stopped_after, (), recording)
 

@@ -1,4 +1,4 @@
-"""What stands around a place, and the spot with most room."""
+"""Objects around a place, and the spot with the most room."""
 
 import numpy as np
 import pytest

@@ -19,12 +19,12 @@ CONFIG = PerturbedConfig()
 
 @dataclass(frozen=True)
 class Fixed:
-    """Always the same k."""
+    """A sampler that always draws the same k."""
 
     k: Parameter | Failure
 
     def draws(self, c: object, action: object, rng: object) -> Iterator[Parameter | Failure]:  # noqa: ARG002
-        """It."""
+        """Draw the fixed k."""
         return repeat(self.k)
 
 

@@ -1,4 +1,4 @@
-"""How a pick opens the hand: as far as the box asks and its neighbours let, in time, and touching none of them."""
+"""Opening of the hand in a pick: as wide as the box needs and its neighbors allow, in time, without touching them."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -24,7 +24,7 @@ from tests.world.scenes import build_tower, scene
 BETWEEN = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "neighbours-8-mm.yaml")
 WANTED = pick("wanted", "table")
 ACROSS = np.array([0.0, 0.0, 0.036, 0.0])
-"""A grasp in the middle of the wanted box, the fingers above its low neighbours."""
+"""A grasp in the middle of the wanted box, with the fingers above its low neighbors."""
 
 FREE = World(scene({**build_tower("yellow_box", y=-0.05), **build_tower("red_box", y=0.3)}))
 PLANNER = MotionPlanner(FREE)
@@ -76,7 +76,7 @@ def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
     k = np.array([0.0, 0.0, 0.03, 0.0])
     first = plan_pick(FREE, "red_box", k)
     assert not isinstance(first, Refusal)
-    near = first[1].control_points[0] + 0.01  # close to where the hand is lowered from
+    near = first[1].control_points[0] + 0.01  # close to the place from which the hand is lowered
     start = FREE.initial_configuration()
     closed = Configuration(np.append(near, [0.0, 0.0]), start.poses, None, GripperCommand(0.0))
     motion = plan_pick(FREE, "red_box", k, closed)
@@ -99,7 +99,7 @@ def test_neighbours_make_the_hand_open_less() -> None:
 
 
 def test_a_pick_between_neighbours_touches_none_of_them() -> None:
-    """Looked at in each step of physics with everything awake; the neighbours do not move."""
+    """Checked at each step of physics with everything awake; the neighbors do not move."""
     setup = rig(BETWEEN)
     attempt = setup.attempt(setup.start, WANTED, k=ACROSS)
     assert attempt.failure is None, attempt.detail
@@ -120,7 +120,7 @@ def test_a_pick_between_neighbours_touches_none_of_them() -> None:
 
 
 def _well(depth: float) -> SceneSpec:
-    """A small box between two walls that are higher than it."""
+    """A small box between two higher walls."""
     size, gap = (0.035, 0.035, 0.06), 0.032
     y = size[1] / 2 + gap + 0.02
     walls = {

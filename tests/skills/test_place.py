@@ -1,4 +1,4 @@
-"""How a placement opens the hand to let go: as far as the neighbours let, or refused before its way is planned."""
+"""Opening of the hand in a placement: as wide as the neighbors allow, or refused before its motion is planned."""
 
 from dataclasses import replace
 
@@ -18,11 +18,11 @@ from tests.world.scenes import scene
 SIDE = 0.05
 GRASP = np.array([0.0, 0.0, 0.03, 0.0])
 HERE = np.array([0.2, -0.1, 0.002, 0.0])
-"""Placement on the table, at (0.5, -0.1) in W, the fingers along y."""
+"""Placement on the table, at (0.5, -0.1) in W, with the fingers along y."""
 
 
 def _between(gap: float) -> SceneSpec:
-    """A box elsewhere, and room for it between two others, so far from each of its sides along y [m]."""
+    """A box elsewhere, and room for it between two others, at these distances from its sides along y [m]."""
     y = SIDE / 2 + gap + 0.03
     walls = {
         side: BoxSpec((0.06, 0.06, 0.08), (0.5, -0.1 + sign * y, 0.04)) for side, sign in (("left", 1), ("right", -1))
@@ -31,7 +31,7 @@ def _between(gap: float) -> SceneSpec:
 
 
 class Counting(MotionPlanner):
-    """Counts the transfers that it plans."""
+    """A motion planner that counts the transfers that it plans."""
 
     transfers = 0
 
@@ -55,7 +55,7 @@ def held() -> Configuration:
 
 
 def hold_in_scene(spec: SceneSpec, held: Configuration) -> Configuration:
-    """The same box in the hand in a scene with other neighbours."""
+    """The same box in the hand, in a scene with other neighbors."""
     poses = {**World(spec).initial_configuration().poses, "moved": held.poses["moved"]}
     return replace(held, poses=poses, x=None)
 
@@ -63,7 +63,7 @@ def hold_in_scene(spec: SceneSpec, held: Configuration) -> Configuration:
 def plan_placement(
     spec: SceneSpec, held: Configuration, k: Parameter = HERE, config: PlaceConfig | None = None
 ) -> tuple[Motion | Refusal, int]:
-    """The motion, or why there is none, and the number of transfers planned."""
+    """Plan a placement: the motion or the reason why there is none, and the number of planned transfers."""
     world = World(spec)
     planner = Counting(world)
     skill = (config or PlaceConfig()).create(SkillContext(world, planner))
@@ -87,7 +87,7 @@ def test_neighbours_make_the_hand_open_less(held: Configuration, gap: float, cle
 
 
 def test_where_the_fingers_have_no_room_to_open_nothing_dear_is_planned(held: Configuration) -> None:
-    """The closed fingers fit between the neighbours, but cannot let go there."""
+    """The closed fingers fit between the neighbors, but cannot let go there."""
     for spec, expected in ((_between(0.017), 0), (_between(0.1), 1)):
         motion, transfers = plan_placement(spec, held)
         assert transfers == expected

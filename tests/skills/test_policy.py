@@ -1,4 +1,4 @@
-"""The learned policy as a sampler, with networks that have learned nothing."""
+"""The learned policy as a sampler, with untrained networks."""
 
 import dataclasses
 from itertools import islice
@@ -110,7 +110,7 @@ def test_when_the_critics_believe_in_no_random_candidate_the_policy_goes_on(
 
 
 class Noted(PolicySampler):
-    """Notes what is asked of it."""
+    """Records its calls."""
 
     def __init__(self, sampler: PolicySampler) -> None:
         vars(self).update(vars(sampler))

@@ -1,4 +1,4 @@
-"""What skills promise: H of it is what the action promises, and physics ends close by."""
+"""Promises of skills: H agrees with the action's promise, and physics ends nearby."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from tests.skills.rig import rig
 from tests.skills.test_skills import MUST_SUCCEED
 
 NEAR, TURNED = 0.005, 5.0
-"""How far physics may end from what was promised [m, deg]."""
+"""Maximum distance between the results of physics and the promises [m, deg]."""
 
 
 def apart(c: Configuration, other: Configuration, box: str) -> tuple[float, float]:
@@ -53,7 +53,7 @@ def test_physics_ends_where_the_skill_promises(spec: SceneSpec, actions: list[Ac
 
 
 def test_a_plan_made_of_promises_is_executed_from_what_physics_left() -> None:
-    """The placement is planned for the promised grasp, and runs from the one of physics."""
+    """The placement is planned for the promised grasp, and runs from the grasp in physics."""
     spec, (pick, place, *_) = MUST_SUCCEED["table to rack and back"]
     setup = rig(spec)
     promising = replace(setup.skills, promises=True)

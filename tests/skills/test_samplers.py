@@ -1,4 +1,4 @@
-"""The contract of every sampler of k, and what the optimisation-based one promises besides.
+"""The contract of every sampler of k, and the further promises of the optimization-based one.
 
 A new sampler is tested by adding its configuration to SAMPLERS.
 """
@@ -49,7 +49,7 @@ def arm(world: World) -> ArmKinematics:
 
 
 def situations(world: World) -> dict[str, tuple[Configuration, Action]]:
-    """What a sampler is asked: picks from everywhere, places on everything."""
+    """Queries to a sampler: picks from everywhere, places on everything."""
     c = world.initial_configuration()
     tipped = arrange(world, {"red_box": pose(0.5, -0.1, 0.025, roll=90.0, yaw=25.0)})
     on_rack = arrange(world, {"blue_box": pose(0.44, -0.33, RACK_TOP + 0.053, yaw=10.0)})
@@ -102,7 +102,7 @@ def test_k_is_four_finite_numbers(world: World, arm: ArmKinematics, name: str, s
 @pytest.mark.parametrize("situation", SITUATIONS)
 @pytest.mark.parametrize("name", SAMPLERS)
 def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: str, situation: str) -> None:
-    """Whatever the sampler was asked in between, and in a sampler of its own."""
+    """This holds whatever the sampler drew in between, and for a separate sampler."""
     c, action = situations(world)[situation]
     sampler = SAMPLERS[name].create(SamplerContext(world, arm))
     first = draws(sampler, c, action, 3)
@@ -218,7 +218,7 @@ def test_there_is_no_k_for_a_box_out_of_reach(world: World, sampler: Sampler[Con
 
 
 def test_there_is_no_k_where_no_room_is_left(world: World, arm: ArmKinematics) -> None:
-    """The rack is full: a box stands in its middle and the rest is narrower than the held box needs."""
+    """The rack is full: a box stands in its middle, and the rest is narrower than the held box needs."""
     c = hold_box(world, "yellow_box")
     crowd = {"cyan_box": (0.38, -0.33), "red_box": (0.5, -0.33), "blue_box": (0.44, -0.33)}
     poses = {name: pose(x, y, RACK_TOP + SIZES[name][2] / 2) for name, (x, y) in crowd.items()}

@@ -1,4 +1,4 @@
-"""Pick and Place in physics: where they must succeed, why they refuse, and what an attempt records."""
+"""Pick and Place in physics: where they must succeed, why they refuse, and records of their attempts."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ MUST_SUCCEED = {
 
 
 def check_motion(c: Configuration, motion: Motion) -> None:
-    """From where the arm was commanded to be in c, from rest to rest, without jumps, within the arm's limits."""
+    """Assert a motion from the commanded start in c, from rest to rest, without jumps, within the arm's limits."""
     np.testing.assert_array_equal(motion[0].control_points[0], c.commanded)
     for before, after in pairwise(motion):
         np.testing.assert_array_equal(before.control_points[-1], after.control_points[0])
@@ -81,7 +81,7 @@ def check_motion(c: Configuration, motion: Motion) -> None:
 
 
 def check_attempt(attempt: Attempt[Configuration], action: Action) -> None:
-    """What an attempt records of a motion that was executed."""
+    """Assert that an attempt records an executed motion."""
     assert attempt.action == action
     assert attempt.k is not None
     assert attempt.k.shape == (4,)
@@ -110,7 +110,7 @@ def test_skills_succeed(case: str) -> None:
 
 
 def test_the_hand_comes_from_above_and_leaves_upwards() -> None:
-    """Straight down to the grasp and straight up from it, the finger tips above the box before and after."""
+    """It moves straight down to the grasp and straight up; before and after, the fingertips are above the box."""
     setup = rig(ON_THE_TABLE)
     c = setup.start
     for action, down, up in (
@@ -142,7 +142,7 @@ def test_the_hand_comes_from_above_and_leaves_upwards() -> None:
 
 
 def test_the_same_seed_gives_the_same_attempt() -> None:
-    """Whatever was tried in between, and in a set of skills of its own."""
+    """This holds whatever was tried in between, and for a separate set of skills."""
     setup, own = rig(ON_THE_TABLE), rig(ON_THE_TABLE)
     action = pick("yellow_box", "table")
     first = setup.attempt(setup.start, action, seed=5)
@@ -227,7 +227,7 @@ def test_a_sampler_that_finds_nothing_says_why_and_is_not_asked_again(spec: Scen
 
 @dataclass(frozen=True)
 class Fruitless:
-    """A sampler that yields nothing, not even why, and its own configuration."""
+    """A sampler that yields nothing, not even a failure, and its own configuration."""
 
     def create(self, _: object) -> "Fruitless":
         return self

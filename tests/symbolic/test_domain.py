@@ -1,4 +1,4 @@
-"""The ground domain: what pick and place do, and the laws that every sequence of them obeys."""
+"""The ground domain: effects of pick and place, and laws of all their sequences."""
 
 import pytest
 from hypothesis import given

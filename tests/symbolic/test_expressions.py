@@ -1,4 +1,4 @@
-"""Expressions in brackets: what is read, where it stands, and what is refused."""
+"""Expressions in parentheses: how they are read, their places, and what is refused."""
 
 import pytest
 from hypothesis import given

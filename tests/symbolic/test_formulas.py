@@ -1,4 +1,4 @@
-"""Formulas: when they hold, and their opposites."""
+"""Formulas: when they hold, and their negations."""
 
 import pytest
 from hypothesis import given

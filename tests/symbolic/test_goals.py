@@ -1,4 +1,4 @@
-"""Goals: what is read, and what is refused."""
+"""Goals: how they are read, and which are refused."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Ground actions against a reference by brute force, and against unified-planning's."""
+"""Ground actions agree with a brute-force reference, and with those of unified-planning."""
 
 from collections.abc import Mapping
 from importlib.resources import files
@@ -25,7 +25,7 @@ SUPPORTS = ("rack", "table", "tray")
 
 
 def reference(box: str, place: str, boxes: tuple[str, ...], lies: bool) -> list[GroundAction]:
-    """Picking a box off a place and placing it there, written out."""
+    """Picks of a box off a place and placements of it there, written out."""
     there, held, hand = Atom(LYING if lies else ON, (box, place)), Atom(IN_HAND, (box,)), Atom(HAND_EMPTY, ())
     free, room = Atom(CLEAR, (box,)), {Atom(CLEAR, (place,))} if place in boxes else set()
     at_rest, args = frozenset({hand, free, there}), (box, place)
@@ -58,7 +58,7 @@ def test_the_domain_of_boxes_grounds_as_it_does_elsewhere(problem: Problem) -> N
 
 
 def agree(text: str, objects: Mapping[str, str], initial: State, limit: int = 60) -> tuple[GroundAction, ...]:
-    """Compare what applies and where it leads in all states, or in the first so many; the actions."""
+    """Compare the applicable actions and their successors in all states, or in the first ones; return the actions."""
     actions = ground(read_domain(text, "toy.pddl"), objects, initial)
     simulator = theirs.Simulator(theirs.problem(text, objects, initial))
     other = simulator.initial()
@@ -167,7 +167,7 @@ NAMES = ("a", "b", "c")
 
 @st.composite
 def conditions(draw: st.DrawFn, depth: int = 3, variables: tuple[str, ...] = VARIABLES) -> str:
-    """Text of a random formula; s is static, and every variable is of the type half."""
+    """Text of a random formula; s is static, and every variable has the type half."""
     kinds = ["p", "s", "q", "="] + (["and", "or", "not", "imply", "forall", "exists"] if depth else [])
     kind = draw(st.sampled_from(kinds))
     terms = st.sampled_from(variables)
@@ -220,7 +220,7 @@ def test_too_many_actions_are_refused_at_once(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_static_parts_keep_many_parameters_in_bounds() -> None:
-    """Ten rooms in a row: of ten billion choices of ten rooms only one is a way."""
+    """Ten rooms in a row: only one of ten billion choices of ten rooms is a path."""
     rooms = [f"room_{number}" for number in range(10)]
     ways = frozenset(Atom("next", pair) for pair in pairwise(rooms))
     variables = [f"?r{number}" for number in range(10)]

@@ -1,4 +1,4 @@
-"""The guides against distances found by looking at every state."""
+"""The guides agree with distances found by visiting every state."""
 
 import math
 
@@ -13,7 +13,7 @@ from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, 
 
 
 def distances(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, float]:
-    """Actions from every reachable state to the goal, by sweeping over all of them until nothing changes."""
+    """Number of actions from every reachable state to the goal, by sweeping over all states until nothing changes."""
     successors, frontier = {}, [initial]
     while frontier:
         successors.update({s: [after for _, after in domain.successors(s)] for s in frontier})
@@ -59,7 +59,7 @@ def test_the_move_count_is_exact_for_a_tower_rebuilt_in_the_same_order(name: str
 
 
 def test_the_move_count_sees_who_is_in_the_way() -> None:
-    """red stands where yellow shall stand, and blue on red."""
+    """red is where yellow must go, and blue is on red."""
     initial = state([("table", "cyan", "red", "blue"), ("table", "yellow")])
     problem = Problem(("blue", "cyan", "red", "yellow"), ("table",), initial, tower_goal(("table", "cyan", "yellow")))
     assert MoveCount(problem.domain, problem.goal, weight=1).estimate_distance(initial) == 6
@@ -80,7 +80,7 @@ def test_breadth_first_distances_are_exact_up_to_the_horizon(problem: Problem) -
 
 
 def _depths(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, int]:
-    """Actions from the start to each state that can be reached without passing the goal."""
+    """Number of actions from the start to each state that is reachable without passing the goal."""
     depth, frontier = {initial: 0}, [initial]
     for s in frontier:
         for after in [] if goal <= s else [after for _, after in domain.successors(s)]:

@@ -1,4 +1,4 @@
-"""The domain on integers does what it does on sets of atoms."""
+"""The domain on integers agrees with the domain on sets of atoms."""
 
 import pytest
 from hypothesis import given
@@ -15,7 +15,7 @@ NOTHING = frozenset[Atom]()
 
 
 def check(domain: Domain, goal: frozenset[Atom], initial: State, limit: int = 200) -> set[State]:
-    """Compare the successors of all states, or of the first so many."""
+    """Compare the successors of all states, or of the first ones."""
     masks, seen, frontier = Masks(domain, goal), {initial}, [initial]
     while frontier and len(seen) < limit:
         state = frontier.pop()

@@ -1,4 +1,4 @@
-"""The reader of PDDL: what it makes of a domain, what it refuses, and that unified-planning reads the same."""
+"""The reader of PDDL: the domains that it reads, those that it refuses, and agreement with unified-planning."""
 
 from functools import cache
 from importlib.resources import files

@@ -1,4 +1,4 @@
-"""The streams of plans: complete, in order, resumable, the same in every process."""
+"""Streams of plans are complete, ordered, resumable, and the same in every process."""
 
 import hashlib
 import math
@@ -43,7 +43,7 @@ def stream(generator: PlanGenerator, max_expansions: int = 1000) -> Iterator[Ske
 
 
 def all_plans(problem: Problem, longest: float) -> Iterator[tuple[Action, ...]]:
-    """Every plan without a repeated state, by depth-first search through all of them."""
+    """All plans without a repeated state, by depth-first search."""
 
     def extend(visited: tuple[State, ...], actions: tuple[Action, ...]) -> Iterator[tuple[Action, ...]]:
         if problem.goal <= visited[-1]:
@@ -165,7 +165,7 @@ SORTING = Problem(
     state([("east", "a", "b"), ("north", "c", "d"), ("south", "e", "f"), ("west", "g", "h")]),
     tower_goal(("north", "a", "c", "e", "g")) | tower_goal(("south", "h", "f", "d", "b")),
 )
-"""Eight boxes on four supports, to be sorted into two towers."""
+"""Eight boxes on four supports, to sort into two towers."""
 
 
 def test_best_first_search_sorts_eight_boxes_at_once() -> None:
@@ -221,7 +221,7 @@ PICK_LOW = Action("pick", ("low", "table"))
 
 @each_config
 def test_a_box_can_be_moved_on_what_it_stands_on(config: Config) -> None:
-    """No other stream has such plans, since the state is the same after it."""
+    """No other stream has such plans, since they do not change the state."""
     goal = frozenset({Atom(ON, ("low", "top"))})
     generator = create(config, replace(PARKED, goal=goal))
     plan = generator.next_plan(1000, frozenset({Obstruction(PICK_LOW, "top")}))

@@ -1,4 +1,4 @@
-"""The same domains read by unified-planning, whose semantics ours is compared with."""
+"""The same domains in unified-planning, as a reference for our semantics."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -33,7 +33,7 @@ def problem(domain: str, objects: Mapping[str, str], initial: State, goal: froze
 
 
 def ground(theirs: Problem) -> dict[Action, tuple[frozenset[Atom], frozenset[Atom], frozenset[Atom]]]:
-    """Preconditions, added and deleted atoms of the ground actions, all of which must be plain STRIPS."""
+    """Preconditions, added atoms and deleted atoms of the ground actions, all of which must be plain STRIPS."""
     lifted = QuantifiersRemover().compile(theirs, CompilationKind.QUANTIFIERS_REMOVING).problem
     found = {}
     for action, arguments, grounded in GrounderHelper(lifted).get_grounded_actions():
@@ -48,7 +48,7 @@ def ground(theirs: Problem) -> dict[Action, tuple[frozenset[Atom], frozenset[Ato
 
 
 class Simulator:
-    """What the actions of a problem do, state by state."""
+    """Simulator of a problem's actions, state by state."""
 
     def __init__(self, theirs: Problem) -> None:
         self._problem = theirs
@@ -56,15 +56,15 @@ class Simulator:
         self._atoms = {value: _atom(value) for value in theirs.initial_values}
 
     def initial(self) -> Any:
-        """The initial state as unified-planning has it."""
+        """Initial state in unified-planning."""
         return self._simulator.get_initial_state()
 
     def atoms(self, theirs: Any) -> State:
-        """What holds in a state."""
+        """Atoms that hold in a state."""
         return frozenset(atom for value, atom in self._atoms.items() if theirs.get_value(value).is_true())
 
     def successors(self, theirs: Any) -> dict[Action, Any]:
-        """Where the applicable actions lead."""
+        """Successors by the applicable actions."""
         found = {}
         for action, arguments in self._simulator.get_applicable_actions(theirs):
             found[Action(action.name, tuple(map(str, arguments)))] = self._simulator.apply(theirs, action, arguments)

@@ -17,7 +17,7 @@ Tower = tuple[str, ...]
 
 @cache
 def _domain(boxes: tuple[str, ...], supports: tuple[str, ...], tipped: tuple[str, ...]) -> Domain:
-    """Of a start only who is tipped matters to the domain."""
+    """The domain depends on the start only through the tipped boxes."""
     return Domain.create(boxes, supports, state([(supports[0], box) for box in boxes], tipped))
 
 
@@ -47,7 +47,7 @@ def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
 
 
 def tower_goal(tower: Tower, tipped: Collection[str] = ()) -> frozenset[Atom]:
-    """The goal that the tower stands, its tipped boxes lying."""
+    """Goal that the tower stands, with its tipped boxes lying."""
     return frozenset(Atom(LYING if box in tipped else ON, (box, below)) for below, box in pairwise(tower))
 
 
@@ -75,7 +75,7 @@ def arrangements(draw: st.DrawFn, boxes: Sequence[str], supports: Sequence[str])
 
 @st.composite
 def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2) -> Problem:
-    """A random start, a part of another random arrangement as goal; any box may lie, in the goal as at the start."""
+    """A random start, and a part of another random arrangement as goal; boxes may lie in both."""
     box_names = tuple(f"box_{i}" for i in range(draw(st.integers(1, boxes))))
     support_names = tuple(f"table_{i}" for i in range(draw(st.integers(1, supports))))
     tipped = draw(st.sets(st.sampled_from(box_names)))
@@ -86,7 +86,7 @@ def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2) -> Problem:
 
 
 def draw_obstructions(problem: Problem) -> st.SearchStrategy[frozenset[Obstruction]]:
-    """One or two things in the way of actions of the problem, the impossible ones among them."""
+    """One or two obstructions of actions of the problem, including impossible ones."""
     actions = [ground.action for ground in problem.domain.actions]
     things = [*problem.boxes, *problem.supports]
     return st.frozensets(

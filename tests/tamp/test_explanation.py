@@ -1,4 +1,4 @@
-"""Why there is no plan, as data; the words are only asked to name what the data say."""
+"""Explanations as data; their text only has to name what the data contain."""
 
 from collections import Counter
 from itertools import pairwise

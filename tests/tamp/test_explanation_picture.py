@@ -1,4 +1,4 @@
-"""Picture of why there is no plan, and what the pages show of it."""
+"""Picture of an explanation, and its content on the pages."""
 
 from dataclasses import replace
 from pathlib import Path

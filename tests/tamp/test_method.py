@@ -53,7 +53,7 @@ def test_every_constant_can_be_set_on_the_command_line() -> None:
 
 
 def _constants(config: Any, where: str = "") -> Iterator[tuple[str, Any, str]]:
-    """Each option with the dataclass and the field that it sets."""
+    """Each option, with the dataclass and the field that it sets."""
     for field in fields(config):
         value, option = getattr(config, field.name), where + field.name.replace("_", "-")
         yield from _constants(value, f"{option}.") if is_dataclass(value) else [(option, config, field.name)]

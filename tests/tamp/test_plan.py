@@ -1,4 +1,4 @@
-"""plan.yaml: numbers survive exactly, and what is no plan is refused."""
+"""plan.yaml: numbers are read back exactly, and files that are not plans are refused."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The steps of a search, as they were executed."""
+"""Recordings of the steps of a search."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def executed_steps(solution: Solution) -> dict[int, Step[Configuration]]:
 
 
 def visible_part(c: Configuration | None) -> Configuration:
-    """What can be seen of a configuration."""
+    """Visible part of a configuration."""
     assert c is not None
     return Configuration(c.q, c.poses)
 

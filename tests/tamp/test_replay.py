@@ -27,7 +27,7 @@ from ictamp_drake.world.world import World
 from tests.runs.programs import SCENE
 
 FARTHEST, MOST_TURNED = 2e-4, 0.2
-"""How far a box may be from where it is with the whole scene awake [m, deg]."""
+"""Maximum distance of a box from its pose with the whole scene awake [m, deg]."""
 
 PROBLEMS = ("easy-0", "medium-0", "hard-0", "extreme-2", "varied-1")
 METHOD = Method(time_limit=250)
@@ -42,7 +42,7 @@ def solution(request: pytest.FixtureRequest) -> Solution:
 
 @pytest.fixture(scope="module")
 def elsewhere() -> Iterator[ProcessPoolExecutor]:
-    """Another process."""
+    """A second process."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         yield pool
 
@@ -55,7 +55,7 @@ def found(solution: Solution) -> tuple[Task, tuple[Attempt[Configuration], ...]]
 
 
 def execute(task: Task, attempts: Sequence[Attempt[Configuration]], physics: PhysicsConfig = METHOD.physics) -> Replay:
-    """In one go, in a fresh simulator."""
+    """Execute without a reset, in a new simulator."""
     simulator = physics.create(World(task.spec))
     return replay(simulator, abstraction=task.abstraction, goal=task.goal, c=task.c, attempts=attempts)
 
@@ -66,7 +66,7 @@ def end(attempt: Attempt[Configuration]) -> Configuration:
 
 
 def execute_motion(spec: SceneSpec, c: Configuration, motion: Motion) -> Configuration:
-    """Where a motion ends that a simulator of this process executes."""
+    """Execute a motion in a simulator of this process, and return its end."""
     return METHOD.physics.create(World(spec)).run(c, motion, record=False).c
 
 
@@ -75,7 +75,7 @@ def execute_motion(spec: SceneSpec, c: Configuration, motion: Motion) -> Configu
 
 @pytest.mark.slow
 def test_the_search_executed_its_plan_in_one_go_bit_for_bit(solution: Solution, tmp_path: Path) -> None:
-    """One simulator that is never reset, given the plan as it was written and read, ends each skill where it did."""
+    """One simulator without a reset, given the saved and loaded plan, ends each skill in the same configuration."""
     task, attempts = found(solution)
     write_plan(Plan(task.spec, task.c, attempts), tmp_path / "plan.yaml")
     again = read_plan(tmp_path / "plan.yaml").replay()
@@ -91,7 +91,7 @@ def test_the_search_executed_its_plan_in_one_go_bit_for_bit(solution: Solution, 
 def test_skills_end_the_same_in_other_simulators_and_another_process(
     solution: Solution, elsewhere: ProcessPoolExecutor
 ) -> None:
-    """Each in a simulator of its own, from where the one before ended there, and unrecorded."""
+    """Each runs in its own simulator, from the end of the previous one there, without recording."""
     task, attempts = found(solution)
     c = task.c
     for attempt in attempts:
@@ -121,7 +121,7 @@ def knot_values(segment: Segment, order: int) -> FloatArray:
 
 
 def check_commands(c: Configuration, motions: Sequence[Motion]) -> None:
-    """From c on commanded positions are continuous, at rest wherever a segment begins or ends."""
+    """From c on, commanded positions are continuous, and at rest at both ends of each segment."""
     segments = [segment for motion in motions for segment in motion]
     ends = [knot_values(segment, 0) for segment in segments]
     np.testing.assert_allclose(ends[0][0], c.commanded, rtol=0, atol=1e-9)
@@ -152,7 +152,7 @@ def test_commands_are_continuous_and_at_rest_between_segments(solution: Solution
 
 
 def difference(one: Configuration, other: Configuration) -> tuple[float, float]:
-    """How far apart a box is at most [m], and how far turned [deg]."""
+    """Maximum distance [m] and maximum angle [deg] between the poses of a box in two configurations."""
     X = [to_transform(pose).inverse() @ to_transform(other.poses[name]) for name, pose in one.poses.items()]
     shift = max(np.linalg.norm(each.translation()) for each in X)
     return float(shift), float(np.degrees(max(each.rotation().ToAngleAxis().angle() for each in X)))
@@ -160,7 +160,7 @@ def difference(one: Configuration, other: Configuration) -> tuple[float, float]:
 
 @pytest.mark.slow
 def test_what_sleeps_changes_nothing(solution: Solution) -> None:
-    """After every skill of a plan boxes are where they are with the whole scene awake, and H is the same."""
+    """After every skill of a plan, boxes are where they are with the whole scene awake, and H is the same."""
     task, attempts = found(solution)
     awake = execute(task, attempts, replace(METHOD.physics, sleep=False))
     assert awake.reached
@@ -193,7 +193,7 @@ def test_an_empty_plan_reaches_what_holds_already(small: Solution) -> None:
 
 
 def test_an_execution_in_which_the_solver_diverges_does_not_reach_the_goal(small: Solution) -> None:
-    """And ends there."""
+    """The execution ends there."""
     task, attempts = found(small)
     state = task.c.x
     assert state is not None

@@ -1,4 +1,4 @@
-"""One scene, in this process."""
+"""Solving one scene in this process."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -80,7 +80,7 @@ def test_a_solution_can_be_shown_from_the_recordings_of_its_skills(scene: Path) 
 
 
 class Counted(Physics):
-    """A simulator that counts what it executes."""
+    """A simulator that counts its executions."""
 
     executions = 0
 
@@ -115,7 +115,7 @@ def test_a_plan_that_holds_is_solved_when_it_is_executed_again(scene: Path, veri
 
 
 class Slippery(Method):
-    """A method that executes a plan again with fingers that cannot press."""
+    """A method that verifies plans with fingers that cannot press."""
 
     @property
     def verification(self) -> PhysicsConfig | None:
@@ -126,7 +126,7 @@ class Slippery(Method):
 @pytest.mark.slow
 @pytest.mark.parametrize("verify", ["awake", "fine"])
 def test_a_plan_that_does_not_hold_when_it_is_executed_again_is_not_solved(scene: Path, verify: Any) -> None:
-    """Nothing is at rest for the physics of the other execution."""
+    """Nothing is at rest in the physics of the verification."""
     method = Slippery(time_limit=250, max_steps=6, verify=verify)
     solution = solve(load(scene, method), method)
     result = solution.result
@@ -142,7 +142,7 @@ def test_a_plan_that_does_not_hold_when_it_is_executed_again_is_not_solved(scene
 
 
 def solve_and_stop(scene: Path, method: Method, after: int) -> Solution:
-    """The search, stopped from outside after some steps."""
+    """Run the search, and stop it from outside after some steps."""
     events: list[object] = []
     task = load(scene, method)
     return solve(
@@ -169,7 +169,7 @@ boxes:
   far: {size: [0.07, 0.07, 0.05], position: [0.45, -0.25, 0.025]}
 goal: (on low far)
 """
-"""The hand does not fit between low and tall, of which the goal does not speak; and there is only one table."""
+"""The hand does not fit between low and tall, which the goal does not mention, and there is only one table."""
 
 
 def test_adaptive_allocation_moves_a_box_out_of_the_way_and_puts_it_down_again(tmp_path: Path) -> None:
@@ -215,7 +215,7 @@ def test_time_spent_before_the_search_counts(scene: Path) -> None:
 
 @pytest.mark.parametrize("estimator", ["p_score", "q_value"])
 def test_what_was_learned_takes_part_in_the_search(scene: Path, tmp_path: Path, estimator: str) -> None:
-    """Networks that have learned nothing draw k and score the options all the same."""
+    """Even untrained networks draw k and score the options."""
     folder = write_untrained(tmp_path)
     learned = Estimators(p_score=PScoreConfig(folder), q_value=QValueConfig(folder))
     samplers = Samplers(policy=PolicyConfig(folder, candidates=4))

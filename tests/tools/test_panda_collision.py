@@ -1,4 +1,4 @@
-"""The collision geometry against the meshes of the real links, which are no part of the package."""
+"""The collision geometry agrees with the meshes of the real links, which are not part of the package."""
 
 from importlib.metadata import files
 from pathlib import Path
@@ -16,15 +16,15 @@ from scipy.spatial import cKDTree
 from ictamp_drake.models.package import add_package
 
 SLACK = {"panda_hand": 0.010, "panda_leftfinger": 0.005, "panda_rightfinger": 0.005}
-"""How far the primitives may stand out of hand and fingers [m]; 2 cm for every other link."""
+"""Maximum protrusion of the primitives beyond hand and fingers [m]; 2 cm for every other link."""
 LINKS = [*(f"panda_link{i}" for i in range(8)), "panda_hand", "panda_leftfinger", "panda_rightfinger"]
 SAMPLES = 3000
 TOLERANCE = 1e-4
-"""The faces of the pads, which stand at the joint's zero, are 0.08 mm inside the mesh [m]."""
+"""Depth of the pads' faces, which are at the joint's zero, inside the mesh [m]."""
 
 
 def real_link(name: str) -> trimesh.Trimesh:
-    """The mesh of the real link, in the link's frame."""
+    """Mesh of the real link, in the link's frame."""
     kind = "finger" if name.endswith("finger") else name.removeprefix("panda_")
     found = files("example-robot-data") or []
     (path,) = (f for f in found if str(f).endswith(f"panda_description/meshes/visual/{kind}.dae"))
@@ -32,7 +32,7 @@ def real_link(name: str) -> trimesh.Trimesh:
 
 
 class Links:
-    """The primitives of the model, as Drake has read them."""
+    """Primitives of the model, as Drake reads them."""
 
     def __init__(self) -> None:
         builder = DiagramBuilder()
@@ -66,7 +66,7 @@ class Links:
         return [found[i] for i in ids]
 
     def boundary(self, name: str) -> np.ndarray:
-        """Points on the surface of the union of the link's primitives, its corners among them, shape (n, 3)."""
+        """Points on the surface of the union of the link's primitives, including its corners, shape (n, 3)."""
         inspector = self.query.inspector()
         ids = self.geometries(name)
         pieces = [points_on(inspector.GetShape(i), inspector.GetPoseInFrame(i)) for i in ids]

@@ -1,4 +1,4 @@
-"""Which links are tested against each other, and what that says of typical configurations."""
+"""Pairs of links that are tested for self-collision, and their verdicts on typical configurations."""
 
 import numpy as np
 import pytest

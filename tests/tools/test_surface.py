@@ -1,4 +1,4 @@
-"""Triangles on smooth bodies."""
+"""Triangulations of smooth bodies."""
 
 import math
 
@@ -19,7 +19,7 @@ def mesh_of(body: Distance) -> Mesh:
 
 
 def volume(mesh: Mesh) -> float:
-    """Volume inside the triangles, positive when they face outwards [m^3]."""
+    """Volume inside the triangles, positive if they face outwards [m^3]."""
     a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
     return float(np.sum(a * np.cross(b, c)) / 6.0)
 

@@ -1,4 +1,4 @@
-"""The files in `sdf/` are what the script writes."""
+"""The files in `sdf/` equal the output of the script."""
 
 import base64
 import json

@@ -1,4 +1,4 @@
-"""A headless Chromium, spoken to over pipes in its DevTools protocol: open a page, run JavaScript, take pictures."""
+"""A headless Chromium, controlled over pipes by its DevTools protocol: open a page, run JavaScript, take pictures."""
 
 import base64
 import io
@@ -31,10 +31,10 @@ FLAGS = (
 
 
 class Chromium:
-    """One page in a browser of its own; leaving the context ends the browser.
+    """One page in its own browser; leaving the context ends the browser.
 
     Attributes:
-        problems: errors and failed requests of the page so far.
+        problems: Errors and failed requests of the page so far.
     """
 
     def __init__(self, path: str, profile: Path) -> None:
@@ -70,13 +70,13 @@ class Chromium:
         os.close(self._replies)
 
     def open(self, url: str) -> None:
-        """Go to a page and note what goes wrong there from now on."""
+        """Go to a page, and record its problems from now on."""
         for domain in ("Page", "Runtime", "Log"):
             self._call(f"{domain}.enable")
         self._call("Page.navigate", url=url)
 
     def run(self, script: str) -> Any:
-        """The value of a JavaScript expression, awaited when it is a promise."""
+        """Value of a JavaScript expression, awaited if it is a promise."""
         answer = self._call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(str(answer["exceptionDetails"]))
@@ -91,11 +91,11 @@ class Chromium:
         )
 
     def resize(self, width: int, height: int) -> None:
-        """Show pages as in a window of this size [pixels]."""
+        """Show pages in a window of this size [pixels]."""
         self._call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def prefer(self, scheme: str) -> None:
-        """Show pages to somebody who prefers light or dark ones."""
+        """Show pages in the preferred color scheme, light or dark."""
         self._call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
 
     def click(self, x: float, y: float) -> None:
@@ -104,7 +104,7 @@ class Chromium:
             self._call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def picture(self) -> np.ndarray:
-        """What the window shows, shape (height, width, 3), 0 to 1."""
+        """Picture of the window, shape (height, width, 3), 0 to 1."""
         data = base64.b64decode(self._call("Page.captureScreenshot", format="png")["data"])
         return np.asarray(matplotlib.image.imread(io.BytesIO(data), format="png"))[..., :3]
 

@@ -1,4 +1,4 @@
-"""What the tests of pictures share."""
+"""Common fixtures of the tests of pictures."""
 
 import json
 from pathlib import Path
@@ -11,6 +11,6 @@ GOLDEN = Path(__file__).parents[1] / "golden"
 
 @pytest.fixture
 def door() -> dict[str, Any]:
-    """The record of a search in which nothing but a narrow door makes steps fail, read from its file."""
+    """Record of a search in which only a narrow door makes steps fail, read from its file."""
     record: dict[str, Any] = json.loads((GOLDEN / "door.json").read_text())["tree"]
     return record

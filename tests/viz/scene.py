@@ -1,4 +1,4 @@
-"""A small scene and a short motion that the tests of pictures share: the arm swings while one box is carried along."""
+"""A small scene and a short motion for the tests of pictures: the arm swings and carries one box along."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ SPEC = SceneSpec(
 )
 
 DURATION = 20.0
-"""Of the motion [s]."""
+"""Duration of the motion [s]."""
 
 
 START = Configuration(np.append(HOME, [0.04, 0.04]), {name: box.X_WO for name, box in SPEC.boxes.items()})
@@ -27,7 +27,7 @@ START = Configuration(np.append(HOME, [0.04, 0.04]), {name: box.X_WO for name, b
 
 
 def swing(share: float) -> Configuration:
-    """The arm turned to its left and the blue box slid along by a share of the whole motion."""
+    """The arm turned to its left, and the blue box moved along, by a share of the whole motion."""
     q = START.q + share * np.array([0.9, 0.3, 0, 0, 0, 0, 0, 0, 0])
     blue = START.poses["blue_box"] + share * np.array([0, 0, 0, 0, 0.15, 0.0, 0.0])
     return replace(START, q=q, poses={**START.poses, "blue_box": blue})

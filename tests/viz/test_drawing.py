@@ -1,4 +1,4 @@
-"""What is drawn is in the file, in any format, the same every time."""
+"""Drawings are written completely, in any format, and the same every time."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ RED = (1.0, 0.0, 0.0)
 
 
 def drawing() -> Drawing:
-    """A red square over a green line, on paper of 2 by 1 inches whose centre is (0, 0)."""
+    """A red square over a green line, on paper of 2 by 1 inches with center (0, 0)."""
     paper = Drawing(2.0, 1.0, -1.0, 0.5)
     paper.dot((0.5, 0.25), 20, shape="square", fill=RED)
     paper.line([(-0.9, 0.25), (0.9, 0.25)], "#00ff00", 4)

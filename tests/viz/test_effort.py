@@ -1,4 +1,4 @@
-"""Pictures of effort show what was recorded."""
+"""Figures of effort show the recorded values."""
 
 import numpy as np
 import pytest

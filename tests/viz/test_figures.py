@@ -1,4 +1,4 @@
-"""Figures are written under their names, the same bytes every time."""
+"""Figures are written under their names, with the same bytes every time."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Thinned tracks show what was recorded."""
+"""Thinned tracks agree with the recording."""
 
 import numpy as np
 from hypothesis import given

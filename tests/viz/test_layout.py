@@ -1,4 +1,4 @@
-"""A picture of a search is laid out without overlaps."""
+"""The layout of a search's picture has no overlaps."""
 
 import math
 from collections import defaultdict

@@ -1,4 +1,4 @@
-"""The picture of a scene shows what is there, where it is."""
+"""The picture of a scene shows its objects at their places."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +16,7 @@ from tests.viz.scene import SPEC, START, swing
 
 
 def color_at(image: np.ndarray, p_W: np.ndarray) -> np.ndarray:
-    """Mean colour around where a point in W [m] must appear."""
+    """Mean color around the place where a point in W [m] must appear."""
     x, y, _ = Camera(*viewpoint(SPEC), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT).project(p_W)
     column, row = round(x / 2), round(y / 2)
     return image[row - 2 : row + 3, column - 2 : column + 3].mean(axis=(0, 1))
@@ -79,7 +79,7 @@ def test_what_was_refused_and_what_was_in_the_way_is_marked(image: np.ndarray, t
 
 
 def assert_near(image: np.ndarray, p_W: np.ndarray, color: str) -> None:
-    """There are pixels of that colour within some of where a point in W [m] must appear."""
+    """Assert that pixels of the color exist near the place where a point in W [m] must appear."""
     x, y, _ = Camera(*viewpoint(SPEC), np.deg2rad(FIELD_OF_VIEW), WIDTH, HEIGHT).project(p_W)
     around = image[round(y / 2) - 40 : round(y / 2) + 40, round(x / 2) - 30 : round(x / 2) + 30]
     same = np.abs(around - 255 * np.array(to_rgb(color))).max(axis=2) < 2

@@ -1,4 +1,4 @@
-"""Triangles on pictures."""
+"""Triangles in pictures."""
 
 import numpy as np
 import pytest
@@ -8,11 +8,11 @@ from ictamp_drake.viz.raster import Camera, render
 RED, BLUE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 WHITE = np.ones((1, 3))
 CAMERA = Camera(np.array([0.0, -2.0, 0.0]), np.zeros(3), np.pi / 2, 40, 20)
-"""Looks along y, x to its right; 1 m at the origin is 5 pixels."""
+"""Looks along y, with x to its right; 1 m at the origin is 5 pixels."""
 
 
 def facing_square(y: float, size: float = 0.5, x: float = 0.0) -> np.ndarray:
-    """A square that shows the camera its front, as two triangles."""
+    """A square that faces the camera, as two triangles."""
     a, b, c, d = ((x + i * size, y, j * size) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
     return np.array([[a, b, c], [a, c, d]])
 

@@ -82,20 +82,20 @@ def visible_shapes() -> int:
 
 
 def seek(browser: Chromium, time: float) -> np.ndarray:
-    """Move the slider and look."""
+    """Move the slider, and take a picture."""
     browser.run(f"viewer.animator.pause(); viewer.animator.time_scrubber.setValue({time}); null")
     browser.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
     return browser.picture()
 
 
 def pixel(browser: Chromium, *path: str) -> tuple[int, int]:
-    """Where the origin of a body is in the window: column, row."""
+    """Place of a body's origin in the window: column, row."""
     x, y = browser.run(PIXEL.replace("PATH", json.dumps(["scene", *path])))
     return round(x), round(y)
 
 
 def color_around(picture: np.ndarray, place: tuple[int, int]) -> np.ndarray:
-    """Mean colour of a few pixels."""
+    """Mean color of several pixels."""
     x, y = place
     return picture[y - 2 : y + 3, x - 2 : x + 3].mean(axis=(0, 1))
 
@@ -105,7 +105,7 @@ def caption(browser: Chromium) -> str:
 
 
 def control(browser: Chromium, name: str) -> tuple[float, float]:
-    """The middle of a row of Meshcat's controls, which must be in sight."""
+    """Middle of a row of Meshcat's controls, which must be visible."""
     x, y = browser.run(f"({MIDDLE})({json.dumps(name)})")
     assert browser.run(f"document.elementFromPoint({x}, {y}).textContent") == name
     return x, y

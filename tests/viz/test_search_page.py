@@ -35,7 +35,7 @@ def swinging_frames(start: float, end: float) -> list[Frame]:
 
 
 def small_tree() -> Tree[Configuration]:
-    """A pick that is refused and then succeeds, and a placement that slips and then succeeds, with a look at k."""
+    """A pick that is refused and then succeeds, and a placement that slips and then succeeds, with views of k."""
     tree = Tree(START, STATES[0])
     tree.record_opening(Skeleton(STATES, (PICK, PLACE)), expanded=1234)
     k = np.array([0.01, -0.02, 0.03, np.pi / 2])
@@ -48,7 +48,7 @@ def small_tree() -> Tree[Configuration]:
 
 
 RECORDINGS = {PICKED: swinging_frames(0.0, 0.5), SLIPPED: swinging_frames(0.5, 0.2)}
-"""The last step is shown by its end alone."""
+"""The last step has no recording, so the page shows only its end."""
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def text(browser: Chromium, name: str) -> str:
 
 
 def click(browser: Chromium, element: str) -> None:
-    """Click in the middle of an element, which must be in sight."""
+    """Click in the middle of an element, which must be visible."""
     browser.run(f"{element}.scrollIntoView({{block: 'nearest', inline: 'nearest'}})")
     x, y, there = browser.run(
         f"(() => {{ const e = {element}, b = e.getBoundingClientRect(), x = b.x + b.width / 2, y = b.y + b.height / 2;"
@@ -132,7 +132,7 @@ def assert_shown(browser: Chromium, c: Configuration) -> None:
 
 
 def reopen(browser: Chromium, page: Path) -> None:
-    """As one who comes for the first time."""
+    """Open the page like a first-time visitor."""
     browser.open(page.as_uri())
     browser.wait_until("document.readyState === 'complete' && typeof player !== 'undefined'")
 

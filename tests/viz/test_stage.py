@@ -26,7 +26,7 @@ def test_only_this_machine_is_answered(meshcat: Meshcat) -> None:
     port = urlparse(meshcat.web_url()).port
     with socket.create_connection(("localhost", port)):
         pass
-    with pytest.raises(ConnectionRefusedError):  # 127.0.0.2 would be answered by a server that listens everywhere
+    with pytest.raises(ConnectionRefusedError):  # a server that listens everywhere would answer at 127.0.0.2
         socket.create_connection(("127.0.0.2", port))
 
 

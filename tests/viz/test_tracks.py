@@ -1,4 +1,4 @@
-"""A recording reduced to what is needed to show it."""
+"""Recordings, reduced to the moments needed to show them."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Surfaces are closed, look outwards and have the right size."""
+"""Surfaces are closed, face outwards and have the right size."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
 
 
 def volume(triangles: np.ndarray) -> float:
-    """Inside a closed surface that looks outwards [m³]."""
+    """Volume inside a closed surface that faces outwards [m³]."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     return float(np.sum(a * np.cross(b, c)) / 6)
 

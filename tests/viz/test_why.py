@@ -1,4 +1,4 @@
-"""The page of a search that found no plan, in a real browser: what was refused, and what stood in its way."""
+"""The page of a search that found no plan, in a real browser: refused actions and their obstacles."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +26,7 @@ REASONS = Reasons("the time limit was reached", (IN_THE_WAY, OUT_OF_REACH), ("it
 
 
 def blocked_tree() -> Tree[Configuration]:
-    """A box is picked up, and cannot be put down."""
+    """Tree of a search in which a box is picked up and cannot be put down."""
     tree = Tree(START, STATES[0])
     tree.record_opening(Skeleton(STATES, (PICK, PLACE)), expanded=1)
     tree.record_step(0, 0, Attempt(PICK, None, swing(0.5), motion=MOTION))
@@ -58,7 +58,7 @@ def press(browser: Chromium, number: int) -> None:
 
 
 def looks(browser: Chromium, name: str) -> tuple[tuple[int, ...], bool]:
-    """Mean color of a thing, 0 to 255, and whether it can be seen through."""
+    """Mean color of an object, 0 to 255, and whether it is transparent."""
     red, green, blue, clear = browser.run(
         "(() => { paint(); const materials = [];"
         f"  viewer.scene_tree.find(['scene', '{name}']).object.traverse(o => o.material && materials.push(o.material));"

@@ -18,12 +18,12 @@ SIZES = {name: levels.SIZES[name] for name in ("yellow_box", "red_box", "cyan_bo
 def box(
     name: str, position: tuple[float, float, float], rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
 ) -> BoxSpec:
-    """One of the boxes of the packing problems, its centre at a position [m], turned by roll, pitch, yaw [deg]."""
+    """A box of the packing problems, with its center at a position [m], turned by roll, pitch, yaw [deg]."""
     return BoxSpec(SIZES[name], position, rotation)
 
 
 def scene(boxes: dict[str, BoxSpec]) -> SceneSpec:
-    """Boxes on a table with a rack, without a goal that matters."""
+    """Boxes on a table with a rack, without a relevant goal."""
     goal = f"(on {min(boxes)} table)"
     return SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=boxes, goal=goal)
 
@@ -31,7 +31,7 @@ def scene(boxes: dict[str, BoxSpec]) -> SceneSpec:
 def build_tower(
     *names: str, x: float = 0.5, y: float = 0.1, floor: float = 0.0, yaws: tuple[float, ...] = ()
 ) -> dict[str, BoxSpec]:
-    """A tower of boxes from the bottom up, its foot at x, y on a floor of that height [m]; yaws in [deg]."""
+    """A tower of boxes, listed from the bottom up; its foot is at x, y on a floor of that height [m]; yaws in [deg]."""
     boxes = {}
     for name, yaw in zip(names, yaws or (0.0,) * len(names), strict=True):
         height = SIZES[name][2]
@@ -46,7 +46,7 @@ def pose(x: float, y: float, z: float, *, roll: float = 0.0, pitch: float = 0.0,
 
 
 def arrange(world: World, poses: dict[str, FloatArray], held: str | None = None) -> Configuration:
-    """The initial configuration with some boxes elsewhere."""
+    """The initial configuration, with some boxes moved."""
     c = world.initial_configuration()
     return Configuration(c.q, {**c.poses, **poses}, held, c.gripper)
 
@@ -58,7 +58,7 @@ def far_boxes() -> dict[str, BoxSpec]:
 
 
 def stay(c: Configuration, duration: float, gripper: GripperCommand | None = None, label: str = "stay") -> Segment:
-    """The arm stands still where it is in c while the hand obeys a command, c's own by default."""
+    """The arm stands still at its place in c while the hand obeys a command, by default that of c."""
     return Segment(label, duration, gripper or c.gripper, 1, np.array([0.0, duration]), c.q[None, :7])
 
 
@@ -69,7 +69,7 @@ def way(label: str, q0: FloatArray, q1: FloatArray, duration: float, gripper: Gr
 
 
 def hold_box(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Configuration:
-    """The arm at home with the box between its fingers, `drop` [m] further down than the middle of the pads."""
+    """The arm at home with the box between its fingers, `drop` [m] below the middle of the pads."""
     c = world.initial_configuration()
     world.set_configuration(c)
     X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
@@ -81,7 +81,7 @@ def hold_box(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Co
 
 
 def p_GO(world: World, c: Configuration, name: str) -> FloatArray:
-    """Position of a box's centre in G [m]."""
+    """Position of a box's center in G [m]."""
     world.set_configuration(c)
     X_WG = world.plant.GetFrameByName("grasp").CalcPoseInWorld(world.plant.GetMyContextFromRoot(world.context))
     return np.asarray((X_WG.inverse() @ to_transform(c.poses[name])).translation())

@@ -1,4 +1,4 @@
-"""H: what it says of boxes that stand, lie, lean, overhang, bridge, and hang in the hand."""
+"""H of boxes that stand, lie, lean, overhang, bridge, or hang in the hand."""
 
 import dataclasses
 import math
@@ -64,7 +64,7 @@ def test_the_centre_of_mass_must_be_above_the_outline(
 
 
 def test_the_outline_turns_with_the_lower_box(world: World, abstraction: SceneAbstraction) -> None:
-    """0.035 m along the diagonal is inside the lower box's outline, along its side it is not."""
+    """0.035 m along the diagonal is inside the lower box's outline; along its side it is not."""
     for yaw, carried in ((0.0, False), (45.0, True)):
         c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035, yaw=yaw), "red_box": pose(0.435, 0.1, 0.129)})
         assert (Atom("on", ("red_box", "cyan_box")) in abstraction(c)) == carried
@@ -93,7 +93,7 @@ def test_a_box_on_its_side_or_head_lies(
 
 @pytest.mark.parametrize("pitch", [12.0, 25.0, 40.0])
 def test_a_leaning_box_is_neither_on_nor_lying(world: World, abstraction: SceneAbstraction, pitch: float) -> None:
-    """Its lower edge stands on the table, its upper one at the side of another box."""
+    """Its lower edge stands on the table, and its upper edge leans against the side of another box."""
     angle = math.radians(pitch)
     height = 0.059 * math.cos(angle) + 0.025 * math.sin(angle)
     reach = 0.059 * math.sin(angle) + 0.025 * math.cos(angle)
@@ -156,7 +156,7 @@ def test_boxes_may_have_the_names_of_the_robots_parts() -> None:
 
 @st.composite
 def arrangements(draw: st.DrawFn) -> tuple[dict[str, FloatArray], State]:
-    """Poses of boxes in towers and the state that they are in."""
+    """Poses of boxes in towers, and their state."""
     order = draw(st.permutations(NAMES))
     spots = [("rack", spot) for spot in SPOTS["rack"]] + [("table", spot) for spot in SPOTS["table"]]
     towers = [(support, spot, [support], spot[2]) for support, spot in spots]
@@ -190,7 +190,7 @@ def test_h_says_what_stands_and_lies_where(
 def test_h_is_complete_and_agrees_with_eval(
     world: World, abstraction: SceneAbstraction, arrangement: tuple[dict[str, FloatArray], State], held: str | None
 ) -> None:
-    """Exactly the atoms that `symbolic.atoms` demands."""
+    """H has exactly the atoms that `symbolic.atoms` demands."""
     poses, _ = arrangement
     c = arrange(world, poses)
     if held is not None:
@@ -211,7 +211,7 @@ def test_h_is_complete_and_agrees_with_eval(
 
 
 def _move_scene(spec: SceneSpec, x: float, y: float, yaw: float) -> SceneSpec:
-    """The whole scene turned about the origin [deg] and moved [m]."""
+    """The whole scene, turned about the origin [deg] and moved [m]."""
     s, c = math.sin(math.radians(yaw)), math.cos(math.radians(yaw))
 
     def place(position: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -261,7 +261,7 @@ def test_h_is_the_same_when_the_whole_scene_is_elsewhere(
 
 
 def _knock_over(c: Configuration) -> dict[str, Configuration]:
-    """What clumsiness may make of picking yellow_box off cyan_box beside red_box."""
+    """Possible result of clumsily picking yellow_box off cyan_box beside red_box."""
     X_WO = to_transform(c.poses["red_box"]).translation()
     tumbled = {
         "red lies": {"red_box": pose(X_WO[0], X_WO[1], 0.025, roll=90.0)},

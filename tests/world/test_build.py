@@ -1,4 +1,4 @@
-"""Rims: what overhangs a support with its centre inside rests, and falls with its centre outside."""
+"""Rims: an overhanging box rests if its center is inside the support, and falls if it is outside."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,18 +22,18 @@ TABLE = SupportSpec("table", (0.6, 0.0, 0.325), size=(0.4, 0.75, 0.025))
 RACK = SupportSpec("rack", (0.0, -0.6, 0.4), yaw=30.0)
 SIZE = (0.045, 0.045, 0.1)
 INSIDE, OUTSIDE = 0.003, -0.003
-"""How far a centre is inside the rim [m]."""
+"""Distance of a center inside the rim [m]."""
 
 
 def beside(support: SupportSpec, x: float, y: float, yaw: float, size: tuple[float, float, float] = SIZE) -> BoxSpec:
-    """A box on a support, its centre at x, y of the support's frame [m], turned by yaw [deg]."""
+    """A box on a support, with its center at x, y of the support's frame [m], turned by yaw [deg]."""
     X_WO = to_transform(support.X_WT) @ RigidTransform(RollPitchYaw(0, 0, np.radians(yaw)), [x, y, size[2] / 2])
     angles = np.degrees(RollPitchYaw(X_WO.rotation()).vector())
     return BoxSpec(size, tuple(X_WO.translation()), tuple(angles), mass=0.05)
 
 
 def overhanging_boxes(inside: float) -> dict[str, BoxSpec]:
-    """Boxes apart from each other whose centres are as far inside the rims of table and rack."""
+    """Separate boxes, with their centers at the same distance inside the rims of table and rack."""
     half, side = 0.2 - inside, 0.375 - inside
     return {
         "straight": beside(TABLE, half, 0.0, 0.0),
@@ -50,7 +50,7 @@ def overhanging_boxes(inside: float) -> dict[str, BoxSpec]:
 
 
 def settle(boxes: dict[str, BoxSpec]) -> tuple[Configuration, Configuration, SceneAbstraction]:
-    """Configuration at first and after five seconds, and H of the scene."""
+    """The initial configuration and that after five seconds, and H of the scene."""
     spec = SceneSpec(supports={"table": TABLE, "rack": RACK}, boxes=boxes, goal=f"(on {min(boxes)} rack)")
     world = World(spec)
     c = world.initial_configuration()

@@ -1,4 +1,4 @@
-"""What arm and hand are told over time: continuous, the grip after the fingers' arrival, release before opening."""
+"""Commands over time: continuous; the hand grips after its fingers arrive, and releases before it opens."""
 
 import numpy as np
 import pytest
@@ -80,7 +80,7 @@ durations = st.lists(st.floats(0.05, 3.0), min_size=1, max_size=6)
 
 @given(lengths=durations, seed=st.integers(0, 100))
 def test_the_arm_goes_on_where_it_is(lengths: list[float], seed: int) -> None:
-    """Positions and velocities are continuous across segments, whatever their durations round to."""
+    """Positions and velocities are continuous across segments, however their durations are rounded."""
     rng = np.random.default_rng(seed)
     segments, q = [], q0
     for i, duration in enumerate(lengths):
@@ -115,7 +115,7 @@ def test_without_a_motion_everything_stays() -> None:
 
 @given(lengths=st.lists(st.sampled_from([0.3, 0.35, 0.6, 1 / 3, 0.1 + 0.2, 0.7]), min_size=2, max_size=6))
 def test_commands_may_follow_each_other_without_a_pause(lengths: list[float]) -> None:
-    """The hand may need exactly as long as a segment takes, up to rounding."""
+    """The hand may need exactly the duration of a segment, up to rounding."""
     commands, segments, before = [GRIP, OPEN], [], OPEN
     for i, _ in enumerate(lengths):
         after = commands[i % 2]
@@ -135,7 +135,7 @@ told = st.builds(
 def test_a_command_is_obeyed_whole_before_the_next_one(
     commands: list[tuple[GripperCommand, float]], before: GripperCommand
 ) -> None:
-    """Whatever comes how soon: fingers go no faster than they can, forces do not jump, each goal is reached."""
+    """However soon the next one comes, fingers keep their speed limit, forces do not jump, and each goal is reached."""
     segments = [still("s", q0, duration, gripper) for gripper, duration in commands]
     obeyed = obedience_time(before, segments)
     end = max(obeyed, sum(duration for _, duration in commands)) + 0.5

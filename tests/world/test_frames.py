@@ -1,4 +1,4 @@
-"""U, a box as it lies: what `frames.upright_frame` promises for every way that a box can lie."""
+"""U, the upright frame of a box: the promises of `frames.upright_frame` for every way that a box can lie."""
 
 import numpy as np
 import pytest

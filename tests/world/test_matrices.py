@@ -1,4 +1,4 @@
-"""Many poses at once give what Drake gives for each."""
+"""Functions of many poses at once agree with Drake for each pose."""
 
 import numpy as np
 from hypothesis import given
@@ -16,7 +16,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def poses(seed: int) -> FloatArray:
-    """Four random poses; their quaternions need not have length one."""
+    """Four random poses, with quaternions of any length."""
     return np.random.default_rng(seed).normal(size=(4, 7))
 
 

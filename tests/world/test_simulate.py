@@ -1,4 +1,4 @@
-"""Physics: deterministic, at rest when it says so, firm grips, towers that stand, and an arm within its limits."""
+"""Physics is deterministic and detects rest; grips are firm, towers stand, and the arm stays within its limits."""
 
 import pickle
 from collections.abc import Callable
@@ -42,7 +42,7 @@ def pedestal(mass: float = 0.1, friction: float = 0.6) -> SceneSpec:
 
 
 def grip_and_carry(c: Configuration, force: float) -> Motion:
-    """Close the hand on the thing, carry it up and away."""
+    """Close the hand on the object, and carry it up and away."""
     grip = GripperCommand(SIDE, force)
     up = np.array(HOME) + [0.0, -0.12, 0.0, 0.05, 0.0, 0.05, 0.0]
     return (
@@ -69,8 +69,8 @@ def physics() -> Physics:
     ("name", "value", "code"),
     [
         ("time_step", 0.0, Code.OUT_OF_RANGE),
-        ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait for ever
-        ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # all that is there would be held
+        ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait forever
+        ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # everything would be held
         ("arm_stiffness", (100.0, 200.0), Code.WRONG_LENGTH),
         ("arm_damping", (-1.0,) * 7, Code.OUT_OF_RANGE),
     ],
@@ -106,13 +106,13 @@ def test_the_same_start_and_motion_end_the_same_bit_for_bit(world: World, physic
 
 
 def fresh() -> Physics:
-    """A simulator of the pedestal that nothing was simulated with."""
+    """An unused simulator of the pedestal."""
     return PhysicsConfig().create(World(pedestal()))
 
 
 @pytest.mark.parametrize("sleep", [True, False])
 def test_motions_one_by_one_are_one_execution_bit_for_bit(world: World, sleep: bool) -> None:
-    """Also where a motion ends in the middle of everything, the box in the hand and the arm still following."""
+    """This also holds if a motion ends midway, with the box in the hand and the arm still following."""
     config, start = PhysicsConfig(sleep=sleep), world.initial_configuration()
     parts = [(segment,) for segment in grip_and_carry(start, 30.0)]
     at_once = config.create(world)
@@ -136,7 +136,7 @@ def test_after_a_watcher_ended_an_execution_the_next_goes_on_from_there(world: W
 
 
 def test_what_was_simulated_before_leaves_nothing_behind(world: World, physics: Physics) -> None:
-    """No grip is remembered where the arm moves alone, nor where nothing moves at all."""
+    """No grip is remembered where only the arm moves, nor where nothing moves at all."""
     c = world.initial_configuration()
     carried = physics.run(c, grip_and_carry(c, 30.0)).c
     assert carried.held == "thing"
@@ -164,7 +164,7 @@ def test_a_simulator_goes_on_after_the_solver_diverged(world: World, physics: Ph
 
 
 def test_simulators_may_share_a_world(world: World) -> None:
-    """Each motion is executed in turn by two of them, while the world is asked other things."""
+    """Two of them execute each motion alternately, while the world answers other queries."""
     c = world.initial_configuration()
     motion = [replace(segment, touches=frozenset({"thing"})) for segment in grip_and_carry(c, 30.0)]
     reference = fresh().run(c, motion)
@@ -212,7 +212,7 @@ def test_a_state_that_belongs_to_something_else_is_refused(
 
 
 def test_boxes_may_move_where_a_motion_begins(world: World, physics: Physics) -> None:
-    """A box in the air falls, though the arm touches nothing."""
+    """A box in the air falls, although the arm touches nothing."""
     c = arrange(world, {"thing": pose(0.5, -0.3, 0.4)})
     state = physics.run(c, (stay(c, 1e-9),)).c.x
     assert state is not None
@@ -281,7 +281,7 @@ def test_what_still_moves_has_not_settled() -> None:
 
 
 def test_a_falling_tower_is_not_called_at_rest() -> None:
-    """A box on its edge, all but balanced, is slow at first: it must not count as standing."""
+    """A box on its edge, nearly balanced, is slow at first; it must not count as standing."""
     angle = np.arctan2(0.025, 0.059) + 1e-3
     height = 0.059 * np.cos(angle) + 0.025 * np.sin(angle)
     spec = scene(build_tower("red_box"))
@@ -400,7 +400,7 @@ def test_pushing_into_a_heavy_obstacle_takes_no_more_than_the_effort_limits() ->
     efforts = _efforts(physics, c, (way("push", c.q[:7], through_the_table, 1.5, OPEN), stay(c, 0.2)))
     limits = np.array([limit.effort for limit in ARM_LIMITS])
     assert np.all(efforts[:7] <= limits * (1 + 1e-9))
-    assert efforts[1] == pytest.approx(limits[1])  # it did push as hard as it may
+    assert efforts[1] == pytest.approx(limits[1])  # it pushed as hard as allowed
     blocked = physics.run(c, (way("push", c.q[:7], through_the_table, 1.5, OPEN),))
     assert np.abs(blocked.c.q[:7] - through_the_table).max() > 0.1
 
@@ -414,7 +414,7 @@ def test_fingers_press_no_harder_than_they_can(world: World) -> None:
 
 
 def test_the_arm_follows_a_motion(world: World, physics: Physics) -> None:
-    """Within 2 mrad at the end of each segment, with and without a box in the hand."""
+    """The error is at most 2 mrad at the end of each segment, with and without a box in the hand."""
     c = world.initial_configuration()
     motion = grip_and_carry(c, 30.0)
     errors = []
@@ -458,7 +458,7 @@ def test_frames_come_once_a_period(world: World) -> None:
 
 
 def test_physics_is_the_same_everywhere_in_the_plane() -> None:
-    """A box that falls and topples ends in the same way when the whole scene is turned and moved."""
+    """A box that falls and topples ends in the same way if the whole scene is turned and moved."""
     spec = scene({"red_box": box("red_box", (0.5, 0.1, 0.1), (40.0, 0.0, 10.0))})
     X = RigidTransform(RotationMatrix.MakeZRotation(0.7), [0.05, -0.03, 0.0])
     physics, world = PhysicsConfig().create(World(spec)), World(spec)

@@ -1,4 +1,4 @@
-"""Boxes that sleep: what is awake with what, and that an execution ends as if all had been awake."""
+"""Sleeping boxes: which bodies are awake together, and that executions end as if everything had been awake."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -19,12 +19,12 @@ from tests.world.test_simulate import G_HEIGHT, G_X, OPEN, SIDE, TALL
 
 CUBE = 0.05
 TOP = G_HEIGHT - TALL / 2 - 0.01
-"""Height of what a box stands on that is between the fingers of the arm at home [m]."""
+"""Height of the support of a box that is between the fingers of the arm at home [m]."""
 AWAKE = PhysicsConfig(sleep=False)
 
 
 class Counted(Physics):
-    """A simulator that remembers for each execution of a motion whether boxes might sleep."""
+    """A simulator that remembers for each execution of a motion whether boxes were allowed to sleep."""
 
     def __init__(self, world: World, config: PhysicsConfig) -> None:
         super().__init__(world, config)
@@ -36,7 +36,7 @@ class Counted(Physics):
 
 
 def allow_touches(segment: Segment, *names: str) -> Segment:
-    """The segment, on which nothing but these bodies may be touched."""
+    """The segment, during which only these bodies may be touched."""
     return replace(segment, touches=frozenset(names))
 
 
@@ -49,13 +49,13 @@ def turned_arm(angle: float) -> FloatArray:
 
 
 def cubes(*places: tuple[float, float, float]) -> SceneSpec:
-    """Boxes a, b, c, ... with their centres at these places."""
+    """Boxes a, b, c, ... with their centers at these places."""
     boxes = {name: BoxSpec((CUBE,) * 3, place) for name, place in zip("abcdef", places, strict=False)}
     return SceneSpec(supports={"table": TABLE}, boxes=boxes, goal="(on a table)")
 
 
 def awake(spec: SceneSpec, touched: Collection[str], c: Configuration | None = None) -> set[str]:
-    """The boxes that are awake at the end of a motion on which some may be touched."""
+    """Boxes that are awake at the end of a motion during which some may be touched."""
     world = World(spec)
     physics = PhysicsConfig().create(world)
     c = c or physics.run(world.initial_configuration(), ()).c
@@ -101,7 +101,7 @@ def test_a_box_that_leans_is_awake_with_what_it_leans_on(touched: str) -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_sleeping_box_never_carries_an_awake_one(seed: int) -> None:
-    """At any moment of a motion, whatever is near an awake box is awake."""
+    """At any moment of a motion, everything near an awake box is awake."""
     rng = np.random.default_rng(seed)
     places = [(0.4 + 0.1 * (i // 2) + rng.uniform(0, 0.02), 0.1, 0.025 + CUBE * (i % 2)) for i in range(6)]
     spec = cubes(*places)
@@ -124,7 +124,7 @@ def test_a_sleeping_box_never_carries_an_awake_one(seed: int) -> None:
 
 
 def test_nothing_sleeps_while_a_box_overhangs() -> None:
-    """Drake 1.51 reads out of bounds where a joint is locked and a shape of the world, as rims are, is touched."""
+    """Drake 1.51 reads out of bounds when a joint is locked and a shape of the world, such as a rim, is touched."""
     supports = {"block": SupportSpec("table", (0.5, 0.1, 0.1), size=(0.06, 0.06, 0.1)), "table": TABLE}
     boxes = {"a": BoxSpec((0.08, 0.06, 0.06), (0.5, 0.1, 0.13)), "b": BoxSpec((CUBE,) * 3, (0.5, 0.3, 0.025))}
     spec = SceneSpec(supports=supports, boxes=boxes, goal="(on a block)")
@@ -135,7 +135,7 @@ def test_nothing_sleeps_while_a_box_overhangs() -> None:
 
 
 def course(angle: float) -> SceneSpec:
-    """A box between the fingers of the arm at home and another one on its way, both on shelves."""
+    """A box between the fingers of the arm at home and another one in its path, both on shelves."""
     x, y = G_X * np.cos(angle), G_X * np.sin(angle)
     shelf = (0.1, 0.1, 0.02)
     supports = {
@@ -149,7 +149,7 @@ def course(angle: float) -> SceneSpec:
 
 
 def run_both(world: World, c: Configuration, motion: Motion) -> tuple[Outcome, Outcome, list[bool]]:
-    """With sleep and with the whole scene awake, and what was executed for the former."""
+    """Run with sleep and with the whole scene awake; also return the executions of the former."""
     physics = Counted(world, PhysicsConfig())
     return physics.run(c, motion), AWAKE.create(world).run(c, motion), physics.executions
 
@@ -194,7 +194,7 @@ def test_fingers_that_close_on_a_sleeping_box_wake_it() -> None:
 
 
 def test_the_guard_goes_on_from_where_the_motion_began() -> None:
-    """Also when skills were executed before, without a reset."""
+    """This also holds after earlier skills without a reset."""
     world = World(course(0.45))
     away = arrange(world, {"thing": pose(0.5, -0.3, TALL / 2)})
     physics = Counted(world, PhysicsConfig())
@@ -222,10 +222,10 @@ def test_a_motion_that_touches_nothing_wakes_nobody() -> None:
 
 @pytest.mark.parametrize(("ahead", "slow"), [(-0.002, True), (-0.001, False)])
 def test_a_box_that_begins_to_topple_when_it_is_released_does_not_sleep(ahead: float, slow: bool) -> None:
-    """It is all but balanced on what carries it, as slow as a box at rest when the hand is about to leave.
+    """It is nearly balanced on its support, and as slow as a box at rest when the hand is about to leave.
 
-    The slab begins that far behind the box's centre [m]; a box that is 2.03 mm inside stays. The slow one falls only
-    because a box that gathers speed is not put to sleep.
+    The slab begins at this distance behind the box's center [m]; a box that is 2.03 mm inside stays. The slow one falls
+    only because a box that gains speed is not put to sleep.
     """
     slab = SupportSpec("table", (G_X + 0.05 + ahead, 0.0, TOP), size=(0.1, 0.1, 0.02))
     thing = BoxSpec((SIDE, SIDE, TALL), (G_X, 0.0, TOP + TALL / 2), mass=0.1)

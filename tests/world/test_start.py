@@ -1,4 +1,4 @@
-"""c_0 of a scene, and the sentences about scenes that cannot start."""
+"""c_0 of a scene, and errors of scenes that cannot start."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""c to Drake's context and back, frames of what things are put on, and contacts."""
+"""c to Drake's context and back, frames of receptacles, and contacts."""
 
 import pickle
 
@@ -83,7 +83,7 @@ def test_top_faces_of_supports_and_boxes(world: World) -> None:
 @pytest.mark.parametrize("gap", [-0.001, -1e-12, 0.0, 1e-12, 0.001])
 @pytest.mark.parametrize("yaw", [0.0, 45.0, 90.0, 33.3])
 def test_touches_have_distance_and_direction(world: World, gap: float, yaw: float) -> None:
-    """Also of faces that touch exactly, where a distance has no direction by itself."""
+    """This includes faces that touch exactly, for which distance alone gives no direction."""
     c = arrange(world, {"cyan_box": pose(0.4, 0.1, 0.035), "yellow_box": pose(0.41, 0.1, 0.103 + gap, yaw=yaw)})
     (touch,) = (t for t in world.touches(c, 0.002) if {t.a, t.b} == {"cyan_box", "yellow_box"})
     assert touch.distance == pytest.approx(gap, abs=1e-9)
@@ -113,7 +113,7 @@ def test_every_pair_within_the_tolerance_is_found_once(world: World) -> None:
 def test_faces_that_all_but_touch_have_a_direction(
     world: World, gap: float, roll: float, pitch: float, yaw: float
 ) -> None:
-    """Faces nearer than 1e-7 m and nearly parallel make general collision algorithms guess or give up."""
+    """General collision algorithms guess or fail for nearly parallel faces closer than 1e-7 m."""
     poses = {"cyan_box": pose(0.4, 0.1, 0.035), "red_box": pose(0.4, 0.1, 0.129 + gap, roll=roll, pitch=pitch, yaw=yaw)}
     (touch,) = (t for t in world.touches(arrange(world, poses), 0.002) if {t.a, t.b} == set(poses))
     assert touch.distance == pytest.approx(gap, abs=1e-6)

@@ -82,6 +82,7 @@ function filter() {
   const solved = shown.filter(({entry}) => entry.solved).length;
   by_id("shown").textContent = shown.length < rows.length ? `${shown.length} of ${rows.length} shown, ${solved} solved` : "";
   by_id("none").hidden = shown.length > 0;
+  by_id("none").textContent = entries.length ? "No problem matches." : "No problem is finished yet.";
 }
 
 function compare(one, other) {
