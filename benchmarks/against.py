@@ -26,9 +26,8 @@ import pandas as pd
 import tyro
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
-from ictamp_drake.experiments.strategies import STRATEGIES
 from ictamp_drake.reports.comparison import PROBLEM, ratio
 from ictamp_drake.reports.markdown import drop_empty_columns, table
 from ictamp_drake.runs.conduct import Conduct
@@ -58,7 +57,7 @@ class Options:
         problems: Number of a problem of each level, or a slice, e.g. 3, 0:5 or 10:.
         scenes: Scene files instead of levels; their folder counts as their level.
         rounds: Number of times that each tree solves each problem.
-        strategy: Name of a strategy of the experiments, or --strategy="OPTIONS", for both trees.
+        shared: Options of both trees, e.g. --shared="--planner adaptive".
         options: Further options of the working tree only, e.g. --options="--time-limit 30".
         options_before: Further options of the commit only.
     """
@@ -69,7 +68,7 @@ class Options:
     problems: str = ":"
     scenes: tuple[Path, ...] = ()
     rounds: int = 2
-    strategy: str = ""
+    shared: str = ""
     options: str = ""
     options_before: str = ""
 
@@ -79,8 +78,7 @@ class Options:
     @property
     def by_tree(self) -> dict[str, str]:
         """All options of each tree."""
-        shared = STRATEGIES.get(self.strategy, self.strategy)
-        return {BEFORE: f"{shared} {self.options_before}".strip(), AFTER: f"{shared} {self.options}".strip()}
+        return {BEFORE: f"{self.shared} {self.options_before}".strip(), AFTER: f"{self.shared} {self.options}".strip()}
 
 
 def choose_problems(options: Options) -> list[Row]:
@@ -125,11 +123,14 @@ class Child:
         try:
             ready = self._answer()
         except EOFError:
-            raise IctampError(f"{self.tree}: its process cannot start with the options '{self.options}'") from None
+            raise IctampError(
+                Code.CONFLICT, "its process cannot start with the options {value}", file=self.tree, value=self.options
+            ) from None
         if not Path(ready["package"]).is_relative_to(self.tree):
-            raise IctampError(f"{ready['package']}: expected the package of {self.tree}")
+            raise IctampError(Code.CONFLICT, f"expected the package of {self.tree}", file=ready["package"])
         if "error" in ready:
-            raise IctampError(f"{WARM_UP}: cannot be planned in with {self.tree}: {ready['error']}")
+            problem = f"cannot plan here with {self.tree}: {ready['error']}"
+            raise IctampError(Code.CONFLICT, problem, file=WARM_UP)
         return self.process
 
     def _answer(self) -> Row:
@@ -150,7 +151,7 @@ def git(*arguments: str) -> str:
     """Return the output of git in this repository; raise IctampError when it fails."""
     done = subprocess.run(["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
-        raise IctampError(f"git {' '.join(arguments)}: {done.stderr.strip()}")
+        raise IctampError(Code.NOT_FOUND, f"git {' '.join(arguments)}: {done.stderr.strip()}")
     return done.stdout.strip()
 
 

@@ -11,10 +11,11 @@ from pathlib import Path
 
 import tyro
 
+from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.scenes.layout import Zone, place_stacks
 from ictamp_drake.scenes.levels import SUPPORTS, goal_of
-from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, Vector, save_scene
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, Vector, to_yaml
 
 SCENES = Path(__file__).with_suffix("")
 WARM_UP = SCENES / "warm_up.yaml"
@@ -68,8 +69,13 @@ def write_scenes(out: Path) -> None:
     for kind in KINDS:
         (out / kind).mkdir(parents=True, exist_ok=True)
         for number in range(COUNT):
-            save_scene(make_scene(kind, number), out / kind / f"{number:02d}.yaml")
-    save_scene(make_scene("tower_2", COUNT), out / WARM_UP.name)
+            _write(make_scene(kind, number), out / kind / f"{number:02d}.yaml")
+    _write(make_scene("tower_2", COUNT), out / WARM_UP.name)
+
+
+def _write(spec: SceneSpec, path: Path) -> None:
+    """Write a scene in the spelling that older commits read, too; `against.py` hands it to both trees."""
+    write_whole(path, to_yaml(spec).replace("color:", "colour:"))
 
 
 if __name__ == "__main__":

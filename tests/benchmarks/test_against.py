@@ -121,9 +121,8 @@ def test_problems_of_a_level_and_scenes_of_ones_own() -> None:
 
 
 def test_options_of_both_trees_and_of_one() -> None:
-    options = Options("HEAD", Path("out"), strategy="adaptive", options="--seed 1", options_before="--seed 2")
-    adaptive = "--planner adaptive --estimator p-score"
-    assert options.by_tree == {BEFORE: f"{adaptive} --seed 2", AFTER: f"{adaptive} --seed 1"}
+    options = Options("HEAD", Path("out"), shared="--planner adaptive", options="--seed 1", options_before="--seed 2")
+    assert options.by_tree == {BEFORE: "--planner adaptive --seed 2", AFTER: "--planner adaptive --seed 1"}
 
 
 @pytest.mark.slow
