@@ -16,6 +16,7 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand, Segment
+from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.scenes.spec import SceneSpec, to_yaml
 from ictamp_drake.symbolic.goals import parse_goal
 from ictamp_drake.tamp.replay import Replay, duration, replay
@@ -31,17 +32,18 @@ HEADER = """\
 # A plan for a Franka Emika Panda with its hand, found and executed in simulation. Metres, radians, seconds, newtons.
 #
 # format      of this file
-# scene       the scene's file. Supports stand still; "position" is the centre of a support's TOP face and of a box.
-# initial     the start, at rest. q: 7 arm joints, then 2 fingers [m]. poses: of each box's centre in the world frame,
+# scene       the scene's file. Supports stand still; "position" is the center of a support's TOP face and of a box.
+# initial     the start, at rest. q: 7 arm joints, then 2 fingers [m]. poses: of each box's center in the world frame,
 #             unit quaternion w, x, y, z, then x, y, z. commanded: the 7 arm joints as they were commanded last, where
 #             the first segment begins; from then on each begins where the one before ends, at rest. x: the complete
-#             state of the simulator, for the same execution bit for bit.
+#             state of the simulator, for the same execution bit for bit. held: the box in the hand, null for none.
+#             gripper: the command that is in force, as in a segment.
 # skeleton    the high-level plan.
 # steps       one for each action, to be executed without a pause between them:
 #   action    pick(object, what it stands on) or place(object, receptacle)
-#   k         x, y, z, yaw. Pick: the grasp in the object's upright frame (origin in the box's centre, z is the box
-#             axis nearest to the vertical, pointing up). Place: the bottom centre of the held object in the
-#             receptacle's frame (origin in the centre of its top face).
+#   k         x, y, z, yaw. Pick: the grasp in the object's upright frame (origin in the box's center, z is the box
+#             axis nearest to the vertical, pointing up). Place: the bottom center of the held object in the
+#             receptacle's frame (origin in the center of its top face).
 #   segments  one after the other:
 #     label           what it is for
 #     start           time from the start of the plan
@@ -150,6 +152,8 @@ def write_plan(plan: Plan, path: Path) -> None:
             "poses": {name: pose.tolist() for name, pose in plan.c.poses.items()},
             "commanded": plan.c.commanded.tolist(),
             "x": None if plan.c.x is None else plan.c.x.tolist(),
+            "held": plan.c.held,
+            "gripper": {"width": float(plan.c.gripper.width), "force": float(plan.c.gripper.force)},
         },
         "skeleton": [str(attempt.action) for attempt in plan.attempts],
         "steps": _steps(plan.attempts),
@@ -187,6 +191,8 @@ class _Start:
     poses: dict[str, _Seven]
     commanded: _Seven | None = None
     x: tuple[float, ...] | None = None
+    held: str | None = None
+    gripper: GripperCommand = GripperCommand(MAX_OPENING)  # plans of earlier versions start with an open hand
 
     def __post_init__(self) -> None:
         if len(self.q) != 9:
@@ -196,7 +202,7 @@ class _Start:
         poses = {name: np.array(pose) for name, pose in self.poses.items()}
         commanded = None if self.commanded is None else np.array(self.commanded)
         x = None if self.x is None else np.array(self.x)
-        return Configuration(np.array(self.q), poses, commanded=commanded, x=x)  # type: ignore[arg-type]
+        return Configuration(np.array(self.q), poses, self.held, self.gripper, commanded, x)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
