@@ -67,19 +67,20 @@ def _line(node: yaml.Node) -> int:
     return int(node.start_mark.line) + 1
 
 
-def read_bytes(path: Path | str) -> bytes:
+def read_bytes(path: Path | str, limit: int | None = None) -> bytes:
     """Read the content of a file.
 
     Raises:
-        IctampError: The file cannot be read, or is larger than `MAX_BYTES`.
+        IctampError: The file cannot be read, or is larger than `limit` bytes, by default `MAX_BYTES`.
     """
+    limit = limit or MAX_BYTES
     try:
         with Path(path).open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+            content = file.read(limit + 1)
     except OSError as error:
         raise IctampError(Code.NOT_READABLE, f"cannot be read: {error.strerror}", file=path) from error
-    if len(content) > MAX_BYTES:
-        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {MAX_BYTES >> 20} MiB", file=path)
+    if len(content) > limit:
+        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {limit >> 20} MiB", file=path)
     return content
 
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 K = TypeVar("K")
 
+MAX_BYTES = 2**30
+"""Largest file of records that is read [bytes], about half a million problems."""
 OWN = "own scenes"
 """Displayed level of problems without a level."""
 
@@ -197,7 +199,7 @@ def read_records(path: Path) -> dict[str, Record]:
         IctampError: A line is not a record.
     """
     records: dict[str, Record] = {}
-    lines = read_bytes(path).splitlines() if path.exists() else []
+    lines = read_bytes(path, MAX_BYTES).splitlines() if path.exists() else []
     for number, line in enumerate(lines, 1):
         try:
             record = _parse(line)
