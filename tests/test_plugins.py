@@ -108,6 +108,12 @@ def test_a_part_is_an_object_or_a_text_that_names_its_class() -> None:
     assert method.learned == []
 
 
+def test_a_skill_of_ones_own_decides() -> None:
+    method = Method(skills=plugins.SkillsConfig(pick=OwnConfig(0.3)))  # type: ignore[arg-type]
+    assert method.decisive["skills"]["pick"] == {"class": f"{__name__}:OwnConfig", "depth": 0.3}
+    assert method.decisive["skills"]["place"] == Method().decisive["skills"]["place"]
+
+
 def test_parts_of_the_package_are_objects_too() -> None:
     method = Method(planner=RoundRobinConfig(), estimator=ConstantConfig(0.5))
     assert method.rule_config == RoundRobinConfig()

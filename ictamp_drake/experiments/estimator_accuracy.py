@@ -39,7 +39,7 @@ class EstimatorAccuracy:
 
     The ground truth consists of many attempts per c with the stochastic policy, in scenes that the networks were not
     trained in: `python -m ictamp_drake.experiments.collect --walk.draws 40 --walk.sources.policy 1
-    --walk.sources.optimisation 0 --walk.sources.perturbed 0 --walk.sources.uniform 0`.
+    --walk.sources.optimization 0 --walk.sources.perturbed 0 --walk.sources.uniform 0`.
 
     Attributes:
         ground_truth: Folder of recorded attempts.
