@@ -89,9 +89,10 @@ def _load_all() -> dict[str, dict[str, object]]:
         for point in sorted(points.select(group=group)):
             try:
                 found[option][point.name] = point.load()
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 if current_process().name == "MainProcess":  # workers keep quiet
-                    print(f"{option} {point.name} cannot be imported and is left out: {_say(error)}", file=sys.stderr)
+                    part = f"{option} {point.name} ({point.value})"
+                    print(f"{part} cannot be imported and is left out: {_say(error)}", file=sys.stderr)
     return found
 
 
@@ -141,5 +142,5 @@ def check_part(option: str, part: object) -> None:
         raise IctampError(Code.WRONG_TYPE, problem, field=option, value=name_part(part))
 
 
-def _say(error: Exception) -> str:
+def _say(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}".partition("\n")[0]
