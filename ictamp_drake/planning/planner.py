@@ -100,7 +100,7 @@ class PlannerConfig:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Planner(Generic[C]):
     """One search (Algorithm 1). `tree` can be read while it grows."""
 
@@ -119,10 +119,10 @@ class Planner(Generic[C]):
     _stopwatch: Stopwatch = field(init=False)
     _finished: list[int] = field(default_factory=list, init=False)
     _executed: set[int] = field(default_factory=lambda: {ROOT}, init=False)
-    _geometric: list[float] = field(default_factory=list, init=False)
+    _geometric_at: float | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_stopwatch", Stopwatch(self.cpu_clock))
+        self._stopwatch = Stopwatch(self.cpu_clock)
 
     def run(self) -> PlanningResult[C]:
         """Search until a plan is verified, no option is left or the budget is spent; Ctrl-C ends the search cleanly."""
@@ -133,7 +133,7 @@ class Planner(Generic[C]):
             reason = StopReason.STOPPED
         candidate = self._finished[-1] if self._finished else None
         seconds = self.clock() - start
-        geometric = self._geometric[0] - cpu_start if self._geometric else None
+        geometric = None if self._geometric_at is None else self._geometric_at - cpu_start
         return PlanningResult(self.tree, reason, seconds, self._seconds_by_stage(), candidate, geometric)
 
     def _search(self, deadline: float) -> StopReason:
@@ -188,7 +188,8 @@ class Planner(Generic[C]):
         """Whether physics confirms every step that leads to the node; executes the steps that were only promised."""
         if self.execute is None:
             return True
-        self._geometric.append(self.cpu_clock())
+        if self._geometric_at is None:
+            self._geometric_at = self.cpu_clock()
         for number in self.tree.lineage(node.index):
             if number in self.tree.refuted:
                 return False

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import PlanningResult, StopReason
-from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, Refusal
+from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, RefusedAction
 
 if TYPE_CHECKING:
     from ictamp_drake.core.types import Configuration
@@ -150,7 +150,7 @@ class Explanation:
         if self.solved:
             return NO_REASONS
         refusals = (
-            Refusal(
+            RefusedAction(
                 action=blocked.action,
                 args=blocked.args,
                 refused=blocked.refused,

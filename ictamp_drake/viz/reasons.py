@@ -13,7 +13,7 @@ SHOWN = 4
 
 
 @dataclass(frozen=True, kw_only=True)
-class Refusal:
+class RefusedAction:
     """An action that never succeeded.
 
     Attributes:
@@ -50,7 +50,7 @@ class Reasons:
     """
 
     ended: str = ""
-    refusals: tuple[Refusal, ...] = ()
+    refusals: tuple[RefusedAction, ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property

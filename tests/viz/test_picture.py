@@ -10,7 +10,7 @@ import pytest
 from ictamp_drake.viz.drawing import to_rgb
 from ictamp_drake.viz.picture import HEIGHT, WIDTH, picture, scene_png
 from ictamp_drake.viz.raster import Camera
-from ictamp_drake.viz.reasons import MOVED, OBSTACLE, Reasons, Refusal
+from ictamp_drake.viz.reasons import MOVED, OBSTACLE, Reasons, RefusedAction
 from ictamp_drake.viz.stage import FIELD_OF_VIEW, viewpoint
 from tests.viz.scene import SPEC, START, swing
 
@@ -61,7 +61,11 @@ def test_the_file_is_the_picture_and_alone(image: np.ndarray, tmp_path: Path) ->
 
 REASONS = Reasons(
     "the time limit was reached",
-    (Refusal(action="pick(red_box, table)", args=("red_box", "table"), refused="9 of 9", obstacles={"blue_box": 9}),),
+    (
+        RefusedAction(
+            action="pick(red_box, table)", args=("red_box", "table"), refused="9 of 9", obstacles={"blue_box": 9}
+        ),
+    ),
 )
 
 

@@ -8,20 +8,22 @@ import pytest
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Skeleton
 from ictamp_drake.planning.tree import Tree
-from ictamp_drake.viz.reasons import MOVED, OBSTACLE, WHERE, Reasons, Refusal
+from ictamp_drake.viz.reasons import MOVED, OBSTACLE, WHERE, Reasons, RefusedAction
 from ictamp_drake.viz.search_page import search_html
 from tests.viz.chromium import Chromium
 from tests.viz.scene import SPEC, START, swing
 from tests.viz.test_search_page import MOTION, PICK, PLACE, STATES, assert_shown, reopen, small_tree, text
 
-IN_THE_WAY = Refusal(
+IN_THE_WAY = RefusedAction(
     action=str(PLACE),
     args=("blue_box", "rack"),
     refused="9 of 9 placements: in collision",
     obstacles={"red_box": 8, "panda_link5": 1},
     advice="make <room>",
 )
-OUT_OF_REACH = Refusal(action="place(red_box, rack)", args=("red_box", "rack"), refused="2 of 2 placements: too far")
+OUT_OF_REACH = RefusedAction(
+    action="place(red_box, rack)", args=("red_box", "rack"), refused="2 of 2 placements: too far"
+)
 REASONS = Reasons("the time limit was reached", (IN_THE_WAY, OUT_OF_REACH), ("it was slow",))
 
 
