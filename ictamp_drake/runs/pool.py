@@ -27,8 +27,8 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 CONTEXT = get_context("spawn")
 """Start method of processes: Drake does not survive a fork."""
 
-TASKS = 50
-"""Number of tasks after which a worker is replaced, since it grows by 5 to 11 MB with each problem."""
+TASKS = 200
+"""Number of tasks after which a worker is replaced, in case that it grows."""
 
 STARTS = 10
 """Number of workers in a row that may die before they are ready for a task."""

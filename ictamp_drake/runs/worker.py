@@ -1,6 +1,7 @@
 """Work of a worker: solve one problem after the other. Workers leave no files behind."""
 
 import gc
+import multiprocessing
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,6 +42,8 @@ def start_worker(board: Board | None, learned: bool, meshcat: bool) -> None:
     """
     _load_modules(learned)
     end_with_parent()
+    if multiprocessing.parent_process() is not None:
+        gc.freeze()  # modules stay, so that the collections in `run_job` need not look at them
     _Process.board = board or Board(CONTEXT, 1)
     _Process.view = None
     if meshcat:
@@ -76,10 +79,11 @@ def run_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
         artefacts: Files to keep.
     """
     finished = begin_job(slot, job, artefacts)
-    if finished is None or finished.pages is None:
-        return finished
-    files, error = finished.pages()
-    return Finished(replace(finished.record, error=error), finished.files | files)
+    if finished is not None and finished.pages is not None:
+        files, error = finished.pages()
+        finished = Finished(replace(finished.record, error=error), finished.files | files)
+    gc.collect()  # Drake's diagrams and builders refer to each other: 7 MB in a few objects, which never seem urgent
+    return finished
 
 
 def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
+import ray
 from ray.cluster_utils import Cluster
 
 from ictamp_drake.core.errors import Code
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.cluster import connect_cluster
+from ictamp_drake.runs.cluster import OPEN_PORTS, connect_cluster
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.jobs import Job, Problem
@@ -85,6 +86,26 @@ def test_a_node_that_dies_in_mid_sweep_costs_nothing(cluster: Cluster, tmp_path:
     assert {name: timeless(record) for name, record in ours.items()} == {name: timeless(theirs[name]) for name in ours}
     scenes = [sorted(folder.glob("p-score/0/*/scene.yaml")) for folder in (here, tmp_path)]
     assert len(scenes[0]) == len(scenes[1]) == 6
+
+
+@pytest.mark.parametrize("runs", [True, False])
+def test_a_new_cluster_is_announced_before_it_opens_ports(
+    runs: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    started: list[tuple[str, str]] = []
+
+    def init(address: str, **_: object) -> None:
+        if address == "auto" and not runs:
+            raise ConnectionError
+        started.append((address, capsys.readouterr().err))
+
+    monkeypatch.delenv("RAY_ADDRESS", raising=False)
+    monkeypatch.setattr(ray, "init", init)
+    monkeypatch.setattr(ray, "put", lambda value: value)
+    monkeypatch.setattr(ray, "shutdown", lambda: None)
+    with connect_cluster(None, end_with_parent):
+        pass
+    assert started == ([("auto", "")] if runs else [("local", f"{OPEN_PORTS}\n")])
 
 
 def test_an_address_where_nobody_answers_is_refused(tmp_path: Path) -> None:
