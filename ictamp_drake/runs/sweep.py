@@ -4,10 +4,11 @@ import shutil
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import Engine
@@ -105,29 +106,28 @@ class _Sweep:
             return Finished(self._record_breakdown(slot, error), {})
 
     def _keep(self, finished: Finished) -> Record:
-        """Write the files and the record of a job. A file that cannot be written does not cost the record."""
+        """Write the files and the record of a job. A file that cannot be written costs only itself."""
         folder = self.folder / finished.record.name
-        error = finished.record.error
+        shutil.rmtree(folder, ignore_errors=True)
+        error = _write(finished.files, folder)
+        record = replace(finished.record, error=finished.record.error or error)
         try:
-            if folder.exists():
-                shutil.rmtree(folder)
-            _write(finished.files, folder)
-        except OSError as failure:
-            shutil.rmtree(folder, ignore_errors=True)  # a part of the files helps nobody, and needs room
-            error = error or f"its files cannot be written: {failure.strerror}"
-        record = replace(finished.record, error=error)
-        append(record, self.folder / RESULTS)
+            append(record, self.folder / RESULTS)
+        except IctampError:
+            shutil.rmtree(folder, ignore_errors=True)  # makes room for the record
+            record = replace(record, error=record.error or "its files were removed to make room for this record")
+            append(record, self.folder / RESULTS)
         return record
 
     def _make_pages(self, engine: Engine, record: Record, make: Callable[[], Pages]) -> None:
         """Make the pages of a problem whose record is written. If that fails, write another record with the error."""
         try:
             files, error = engine.submit(make, timeout=self.conduct.grace).result()
-            _write(files, self.folder / record.name)
         except TimeoutError:
-            error = f"the pages were given up after {self.conduct.grace:g} s"
+            files, error = {}, f"the pages were given up after {self.conduct.grace:g} s"
         except OSError as failure:
-            error = f"the pages cannot be written: {failure.strerror}"
+            files, error = {}, f"the pages could not be made: {failure.strerror}"
+        error = _write(files, self.folder / record.name) or error
         if error is not None:
             broken = replace(record, error=error)
             append(broken, self.folder / RESULTS)
@@ -143,10 +143,22 @@ class _Sweep:
         return job.make_failure_record(CRASHED, self.board.seconds(slot), f"the process died{twice}: {error!r}")
 
 
-def _write(files: Mapping[str, bytes], folder: Path) -> None:
+def _write(files: Mapping[str, bytes], folder: Path) -> str | None:
+    """Write files, and return which of them cannot be written, and why."""
+    failed: dict[str, str] = {}
     for name, content in files.items():
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_bytes(content)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            _write_file(folder / name, content)
+        except OSError as error:
+            failed[name] = error.strerror or str(error)
+            with suppress(OSError):
+                (folder / name).unlink(missing_ok=True)
+    return f"{', '.join(failed)} cannot be written: {next(iter(failed.values()))}" if failed else None
+
+
+def _write_file(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
 
 
 @contextmanager

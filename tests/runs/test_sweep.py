@@ -15,13 +15,14 @@ from xml.etree import ElementTree
 import pytest
 
 from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import parse
 from ictamp_drake.runs import sweep as sweep_module
 from ictamp_drake.runs import worker
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.jobs import Job, Problem
-from ictamp_drake.runs.records import Record, read_records
+from ictamp_drake.runs.records import Record, append, read_records
 from ictamp_drake.runs.sweep import sweep
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.skills.config import OptimizationConfig
@@ -141,21 +142,39 @@ def test_a_page_that_fails_costs_only_itself(job: Job, tmp_path: Path, monkeypat
     assert read_records(tmp_path / "out" / "results.jsonl")["scene"] == second
 
 
-def fill_disk(*_: object) -> None:
-    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-
 @pytest.mark.parametrize("alone", [True, False])
-def test_a_full_disk_costs_the_files_but_not_the_record(
-    job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, alone: bool
+@pytest.mark.parametrize("kept", [{"scene.yaml", "plan.yaml", "scene.png"}, {"scene.yaml"}, set()])
+def test_a_full_disk_costs_only_the_files_that_it_has_no_room_for(
+    job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, alone: bool, kept: set[str]
 ) -> None:
-    """The disk has room for a record as soon as the files of the problem are removed."""
-    monkeypatch.setattr(sweep_module, "_write", fill_disk)
-    told = done(replace(job, method=SHORT), tmp_path / "out", alone=alone)
-    assert told.records[0].low_level_steps == 1
-    assert told.records[0].stop_reason == "OUT_OF_STEPS"
-    assert all(record.error is not None and "No space left" in record.error for record in told.records)
-    assert read_records(tmp_path / "out" / "results.jsonl") == {"scene": told.records[-1]}
+    def write(path: Path, content: bytes) -> None:
+        path.write_bytes(content if path.name in kept else content[:100])
+        if path.name not in kept:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(sweep_module, "_write_file", write)
+    told = done(job, tmp_path / "out", alone=alone)
+    record = told.records[-1]
+    assert record.solved
+    assert record.error is not None
+    assert "search.html" in record.error
+    assert read_records(tmp_path / "out" / "results.jsonl") == {"scene": record}
+    assert {path.name for path in (tmp_path / "out" / "scene").iterdir()} == kept
+
+
+def test_files_make_room_for_their_record(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = iter([True])
+
+    def append_later(record: Record, path: Path) -> None:
+        if next(refused, False):
+            raise IctampError(Code.NOT_WRITABLE, "no room", file=path)
+        append(record, path)
+
+    monkeypatch.setattr(sweep_module, "append", append_later)
+    (record,) = done(replace(job, method=SHORT), tmp_path / "out", artefacts="plan").records
+    assert record.low_level_steps == 1
+    assert not record.is_final
+    assert read_records(tmp_path / "out" / "results.jsonl") == {"scene": record}
     assert not (tmp_path / "out" / "scene").exists()
 
 
