@@ -43,7 +43,7 @@ def act(options: ReplayOptions, console: Console) -> int:
     console.print(
         f"{options.plan}: {skills}; the goal {'holds' if replay.reached else 'does not hold'}", soft_wrap=True
     )
-    if replay.outcomes:
+    if replay.outcomes or not plan.attempts:
         page = options.out or options.plan.with_name("replay.html")
         written = replace(plan, attempts=replay.recorded(plan.attempts)).show(page, browser=options.show)
         console.print(f"Replay: {written}", soft_wrap=True)

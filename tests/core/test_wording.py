@@ -117,7 +117,6 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "a goal that stands a box up": [
         ("position: [0.5, 0.1, 0.059]", "position: [0.5, 0.1, 0.025], rotation: [90, 0, 0]")
     ],
-    "a goal that holds": [("(on red_box rack)", "(on red_box table)")],
     "boxes in each other": [(RED_BOX, f"{RED_BOX}\n{BLUE_BOX.replace('-0.1', '0.13')}")],
     "a box in the air": [("[0.5, 0.1, 0.059]", "[0.5, 0.1, 0.2]")],
     "a box that nobody holds": [("seed: 0", "start: {held: red_box}")],

@@ -7,14 +7,19 @@ from pathlib import Path
 import pytest
 import yaml
 
-from ictamp_drake.core.errors import Code
+from ictamp_drake.core.decoding import decode
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import parse
 from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import open_run_folder
+from ictamp_drake.runs.jobs import Problem
+from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.method import Method, Planners
 from ictamp_drake.world.config import PhysicsConfig
 from tests.refusals import refusal
+from tests.runs.programs import SCENE
 
 WORK = {"program": "packing", "level": "easy"}
 OPTIONS = {"options": Method().decisive}
@@ -123,6 +128,39 @@ def test_a_broken_configuration_is_named(content: bytes, code: Code, field: str)
     Path("out/config.yaml").write_bytes(content)
     with refusal(code, field, file="out/config.yaml"):
         start(out=Path("out"))
+
+
+@pytest.mark.parametrize("out", [300 * "a", 1000 * "long/", "with\0nul", f"out/{300 * 'a'}", 2000 * "a/"])
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_path_that_the_system_refuses_is_refused_in_a_short_sentence(out: str, resume: bool) -> None:
+    Path("out").mkdir()
+    with pytest.raises(IctampError) as caught:
+        start(out=Path(out), resume=resume)
+    assert caught.value.code in (Code.NOT_WRITABLE, Code.TOO_DEEP, Code.NO_RUN)
+    assert len(str(caught.value)) < 500
+    assert "\0" not in str(caught.value) or resume
+
+
+@pytest.mark.parametrize("name", [".lock", "results.jsonl", "config.yaml"])
+def test_a_folder_in_the_place_of_a_file_of_the_run_is_refused(name: str) -> None:
+    start(out=Path("out"))
+    (Path("out") / name).unlink(missing_ok=True)
+    (Path("out") / name).mkdir()
+    with pytest.raises(IctampError):
+        start(out=Path("out"))
+
+
+@pytest.mark.parametrize(
+    "name", ["results.jsonl", "config.yaml", "index.html", ".hidden", "..", "", "a/b", "a\0b", 201 * "a", 101 * "ä"]
+)
+def test_a_problem_does_not_take_the_name_of_anything_else(name: str) -> None:
+    with refusal(Code.BAD_NAME, "name", value=name):
+        Problem(name, decode(SceneSpec, parse(SCENE)))
+
+
+def test_a_problem_may_have_any_other_name() -> None:
+    for name in ("cost_$5_to_$10", "results.jsonl.old", 200 * "a", "with space", "äöü"):
+        assert Problem(name, decode(SceneSpec, parse(SCENE))).name == name
 
 
 def test_a_file_is_no_folder() -> None:
