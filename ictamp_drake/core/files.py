@@ -1,10 +1,10 @@
 """Make writable folders, write files that appear whole or not at all, and read JSON files."""
 
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 from ictamp_drake.core.decoding import mapping
@@ -20,8 +20,8 @@ def make_folder(path: Path) -> None:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-        if not os.access(path, os.W_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        with TemporaryFile(dir=path):
+            pass
     except OSError as error:
         problem = f"cannot be made or written: {error.strerror}"
         raise IctampError(Code.NOT_WRITABLE, problem, file=path) from error

@@ -18,7 +18,12 @@ MAX_NODES = 2_000_000
 """Maximum number of mappings, lists and scalars in a YAML document with expanded aliases."""
 MAX_DEPTH = 60
 """Maximum nesting depth of a YAML document, low enough for functions that recurse once per level."""
+MAX_DIGITS = 1000
+"""Maximum number of characters of a number; the time for a number with colons (base 60) grows with its square."""
+MAX_EXPLAINED = 2**16
+"""Maximum length of a text that PyYAML reads for its better messages; it is ten times slower than libyaml."""
 
+_NUMBER_TAGS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
 _TOO_DEEP = f"expected values nested at most {MAX_DEPTH} deep"
 
 
@@ -32,9 +37,12 @@ class _Strict:
         return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        if isinstance(node, yaml.ScalarNode) and node.tag in _NUMBER_TAGS and len(node.value) > MAX_DIGITS:
+            problem = f"expected numbers of at most {MAX_DIGITS} digits, got {{value}}"
+            raise IctampError(Code.TOO_LARGE, problem, line=_line(node), value=node.value)
         try:
             return super().construct_object(node, deep)  # type: ignore[misc]
-        except (AttributeError, LookupError, ValueError) as error:
+        except (ArithmeticError, AttributeError, LookupError, ValueError) as error:
             kind = {"int": "whole number", "bool": "truth value"}.get(tag := node.tag.rpartition(":")[2], tag)
             problem = f"not valid YAML: {{value}} is not a {kind}"
             raise IctampError(Code.NOT_YAML, problem, line=_line(node), value=node.value) from error
@@ -80,18 +88,18 @@ def read_bytes(path: Path | str, limit: int | None = None) -> bytes:
     except OSError as error:
         raise IctampError(Code.NOT_READABLE, f"cannot be read: {error.strerror}", file=path) from error
     if len(content) > limit:
-        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {limit >> 20} MiB", file=path)
+        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {limit / 2**20:g} MiB", file=path)
     return content
 
 
-def read_text(path: Path | str) -> str:
+def read_text(path: Path | str, limit: int | None = None) -> str:
     """Read the text of a file.
 
     Raises:
-        IctampError: The file cannot be read, is too large or is not UTF-8.
+        IctampError: The file cannot be read, is not UTF-8, or is larger than `limit` bytes, by default `MAX_BYTES`.
     """
     try:
-        return read_bytes(path).decode("utf-8")
+        return read_bytes(path, limit).decode("utf-8")
     except UnicodeDecodeError as error:
         raise IctampError(Code.NOT_TEXT, "not a text file in UTF-8", file=path) from error
 
@@ -103,6 +111,8 @@ def parse(text: str) -> object:
         IctampError: A syntax error, an impossible value, a repeated key, or a document that is too large or too deep.
     """
     try:
+        if len(text) > MAX_EXPLAINED:
+            return _load(text, _Loader)
         with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
             return _load(text, _Loader)
         return _load(text, _PythonLoader)

@@ -32,6 +32,9 @@ SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPP
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
 """Shortest side of each kind of support [m]; a rack's legs and stabilizers need room."""
 
+MAX_BYTES = 2**18
+"""Size of the largest scene file that is read [bytes], a thousand boxes or more."""
+
 INTERFERENCES = ("stacked", "behind", "tipped")
 """Kinds of interference of boxes outside the goal (paper, Experiments)."""
 
@@ -191,7 +194,7 @@ def load_scene(path: Path | str) -> SceneSpec:
         IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
     """
     with in_file(path):
-        return decode(SceneSpec, parse(read_text(path)))
+        return decode(SceneSpec, parse(read_text(path, MAX_BYTES)))
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:

@@ -116,6 +116,13 @@ def test_a_folder_that_cannot_be_written_is_refused() -> None:
         (b"\xff", Code.NOT_TEXT, ""),
         (b"strategies: [els]", Code.WRONG_TYPE, "strategies"),
         (b"sessions: 3", Code.WRONG_TYPE, "sessions"),
+        (b"strategies: null", Code.WRONG_TYPE, "strategies"),
+        (b"strategies: {1: 2}", Code.BAD_NAME, "strategies"),
+        (b"scenes: !!set {a}", Code.WRONG_TYPE, "scenes"),
+        (b"options: &a [*a]", Code.TOO_DEEP, ""),
+        (b"options: &a {seed: *a}", Code.TOO_DEEP, ""),
+        (b"options: " + b"[" * 500, Code.TOO_DEEP, ""),
+        (b"3: 4", Code.BAD_NAME, ""),
     ],
 )
 def test_a_broken_configuration_is_named(content: bytes, code: Code, field: str) -> None:
@@ -123,6 +130,47 @@ def test_a_broken_configuration_is_named(content: bytes, code: Code, field: str)
     Path("out/config.yaml").write_bytes(content)
     with refusal(code, field, file="out/config.yaml"):
         start(out=Path("out"))
+
+
+ODD = [
+    "options: 2020-01-01",
+    "options: {seed: !!set {a, b}}",
+    "options: {seed: !!binary aGVsbG8=}",
+    "options: {1: 2, 2020-01-01: 3}",
+    "options: null",
+    "options: [1, 2]",
+    "problems: !!set {a, b}",
+    "level: 2020-01-01 10:00:00",
+    "seed: .nan",
+]
+
+
+@pytest.mark.parametrize("text", ODD)
+def test_values_of_odd_types_are_other_options(text: str) -> None:
+    start(out=Path("out"))
+    config = Path("out/config.yaml")
+    key = text.partition(":")[0]
+    kept = {name: value for name, value in yaml.safe_load(config.read_text()).items() if name != key}
+    config.write_text(f"{yaml.safe_dump(kept)}{text}\n")
+    with refusal(Code.OTHER_OPTIONS, file="out"):
+        start(out=Path("out"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sessions: [2020-01-01, !!set {a}, !!binary aGVsbG8=, null, 3, {1: 2}]",
+        "sessions: [{started: [], conduct: 3, versions: !!set {a}}]",
+    ],
+)
+def test_sessions_of_odd_types_are_kept(text: str) -> None:
+    start(out=Path("out"))
+    config = Path("out/config.yaml")
+    kept = {name: value for name, value in yaml.safe_load(config.read_text()).items() if name != "sessions"}
+    config.write_text(f"{yaml.safe_dump(kept)}{text}\n")
+    before = yaml.safe_load(config.read_text())["sessions"]
+    start(out=Path("out"))
+    assert yaml.safe_load(config.read_text())["sessions"][:-1] == before
 
 
 def test_a_file_is_no_folder() -> None:
