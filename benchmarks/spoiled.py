@@ -20,7 +20,7 @@ BASE = """\
 arm: {position: [0, 0, 0], yaw: 0}
 supports:
   table: {kind: table, size: [1.2, 0.9, 0.05], position: [0.3, 0, 0], yaw: 0}
-  rack: {kind: rack, size: [0.3, 0.2, 0.02], position: [0.44, -0.33, 0.16], yaw: 90}
+  rack: {kind: rack, size: [0.44, 0.22, 0.16], position: [0.44, -0.33, 0.16], yaw: 90}
 boxes:
   red_box: {size: [0.05, 0.05, 0.118], mass: 0.1, friction: 0.6, color: [0.8, 0.1, 0.1], position: [0.5, 0.1, 0.059],
             rotation: [0, 0, 30]}

@@ -11,6 +11,7 @@ import pyarrow.dataset as pads
 from numpy.typing import NDArray
 
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.spelling import spellings
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.learning.dataset import action, check_objects, configuration, read_rows

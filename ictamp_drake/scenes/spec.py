@@ -32,8 +32,8 @@ SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPP
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
 """Shortest side of each kind of support [m]; a rack's legs and stabilizers need room."""
 
-MAX_BYTES = 2**18
-"""Size of the largest scene file that is read [bytes], a thousand boxes or more."""
+MAX_BYTES = 2**17
+"""Size of the largest scene file that is read [bytes], about a thousand boxes."""
 
 INTERFERENCES = ("stacked", "behind", "tipped")
 """Kinds of interference of boxes outside the goal (paper, Experiments)."""
