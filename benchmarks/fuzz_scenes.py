@@ -85,7 +85,8 @@ def serve(connection: Connection, seed: int) -> None:
         started = time.process_time()
         outcome, detail = attempt(path)
         seconds = time.process_time() - started
-        gc.collect()
+        if number % 50 == 0:
+            gc.collect()
         connection.send(Outcome(number, kind, outcome, detail[:3000], round(seconds, 4), memory(), os.getpid()))
 
 
@@ -169,7 +170,18 @@ def table(outcomes: Sequence[Outcome]) -> list[str]:
                 max(len(each.detail) for each in group if each.outcome == SENTENCE),
             ]
         )
-    heads = ["class", "files", "sentence", "accepted", "other", "> 5 s", "median s", "max s", "refused, max s", "longest"]
+    heads = [
+        "class",
+        "files",
+        "sentence",
+        "accepted",
+        "other",
+        "> 5 s",
+        "median s",
+        "max s",
+        "refused, max s",
+        "longest",
+    ]
     return markdown.table(heads, rows)
 
 
@@ -188,7 +200,9 @@ def main() -> None:
             log.write(json.dumps(asdict(each)) + "\n")
             log.flush()
             if each.outcome not in (SENTENCE, ACCEPTED) or each.seconds > SLOW:
-                print(f"{number} {each.kind}: {each.outcome} after {each.seconds:.1f} s {each.detail[:300]}", flush=True)
+                print(
+                    f"{number} {each.kind}: {each.outcome} after {each.seconds:.1f} s {each.detail[:300]}", flush=True
+                )
     found = [outcomes[number] for number in sorted(outcomes)]
     text = [
         "# Spoiled scene files, loaded and prepared",

@@ -6,7 +6,6 @@ Most are refused. Some are valid, by chance or on purpose, and a few of these ar
 import json
 from collections.abc import Callable, Iterator
 from copy import deepcopy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,7 +34,16 @@ description: two boxes
 
 NUMBERS = ["0", "-1", "1e308", "-1e308", ".inf", "-.inf", ".nan", "1e-320", "-0.0", "0x1F", "0o17", "0777", "1_000"]
 NUMBERS += ["1:30", "1:59:59.5", "1e-3", "1.0e-38", "9" * 310, "9" * 5000, "0x" + "f" * 3600, "1" + ":59" * 300]
-NUMBERS += ["1" + ":59" * 300 + ".5", "'1'", "0.1e", "--1", "1e5000", "1/2", "9223372036854775807", "9223372036854775808"]
+NUMBERS += [
+    "1" + ":59" * 300 + ".5",
+    "'1'",
+    "0.1e",
+    "--1",
+    "1e5000",
+    "1/2",
+    "9223372036854775807",
+    "9223372036854775808",
+]
 WORDS = ["null", "~", "true", "no", "''", "x", "'\\x07'", '"\\u0000"', '"\\U0001F916"', "2020-01-01", "2020-99-99", "@"]
 WORDS += ["'" + "x" * 3000 + "'", "!!int abc", "!!float abc", "!!bool abc", "!!binary '!'", "!!set {a, b}", "!!str 1"]
 WORDS += ["!!python/object/apply:os.getcwd []", "!!omap [a: 1]", "!!timestamp x", "&a [*a]", "*missing", "<<", "=", "|"]
@@ -44,11 +52,50 @@ NESTED += ["[1, 2, 3, 4]", "[null, null, null]", "[1e400, 0, 0]", "[true, false,
 NESTED += ["[" * 600 + "]" * 600, "{a: " * 400 + "1" + "}" * 400, "[" + "1, " * 5000 + "1]", "{1: 2}", "{[1]: 2}"]
 WRONG = [*NUMBERS, *WORDS, *NESTED]
 NAMES = ["on", "and", "not", "object", "panda", "world", "WorldModelInstance", "x" * 99, "x" * 101, "x" * 20_000, "a b"]
-NAMES += ["", "1", "-a", "a.b", "a/b", "../a", "Ω", "a\u202eb", "<b>", "a'b", 'a"b', "$x$", "%s", "{value}", "\t", "a\nb"]
+NAMES += [
+    "",
+    "1",
+    "-a",
+    "a.b",
+    "a/b",
+    "../a",
+    "Ω",
+    "a\u202eb",
+    "<b>",
+    "a'b",
+    'a"b',
+    "$x$",
+    "%s",
+    "{value}",
+    "\t",
+    "a\nb",
+]
 NAMES += ["TABLE", "Rack", "rack", "table", "null", "true", "~", "__a", "a__b", "a_", "A", "define", "forall", "either"]
 TOKENS = ["(", ")", "and", "or", "not", "on", "lying", "red_box", "blue_box", "table", "rack", "panda", ";", "?x", "-"]
-TOKENS += ["forall", "clear", "hand-empty", "in-hand", "'", '"', "\n", "=", "0", "on on", "()", "((", "))", "RED_BOX", "Ω"]
-PARTS = ["(on red_box rack)", "(on blue_box rack)", "(on red_box blue_box)", "(on blue_box red_box)", "(on red_box table)"]
+TOKENS += [
+    "forall",
+    "clear",
+    "hand-empty",
+    "in-hand",
+    "'",
+    '"',
+    "\n",
+    "=",
+    "0",
+    "on on",
+    "()",
+    "((",
+    "))",
+    "RED_BOX",
+    "Ω",
+]
+PARTS = [
+    "(on red_box rack)",
+    "(on blue_box rack)",
+    "(on red_box blue_box)",
+    "(on blue_box red_box)",
+    "(on red_box table)",
+]
 PARTS += ["(lying red_box rack)", "(on red_box red_box)", "(on rack table)", "(on red_box nothing)"]
 
 
@@ -171,7 +218,9 @@ def mutated(rng: Rng) -> str:
         kind = rng.integers(6)
         if kind == 0 or (isinstance(value, int | float) and kind < 4):
             scale = _pick(rng, [-1, 0, 0.5, 0.9, 1.1, 2, 10, 1e3, 1e9])
-            parent[last] = value * scale if isinstance(value, int | float) else _pick(rng, [None, [], {}, "x", 1, 0.1, True])
+            parent[last] = (
+                value * scale if isinstance(value, int | float) else _pick(rng, [None, [], {}, "x", 1, 0.1, True])
+            )
         elif kind == 1:
             del parent[last]
         elif kind in (2, 3):

@@ -23,7 +23,7 @@ PLATFORMS = {
 }
 """Patterns of the platform tags of wheels, by platform."""
 
-_WHEEL = re.compile(r"/(?P<name>[^/]+?)-(?P<version>[^/-]+)(-\d[^/-]*)?-(?P<python>[^/-]+)-(?P<abi>[^/-]+)-(?P<tags>[^/-]+)\.whl")
+_WHEEL = re.compile(r"/[^/]+?-(?P<version>[^/-]+)(-\d[^/-]*)?-(?P<python>[^/-]+)-(?P<abi>[^/-]+)-(?P<tags>[^/-]+)\.whl")
 
 Wheel = tuple[str, str, str]
 """Tags of a wheel: Python, ABI and platforms."""

@@ -70,7 +70,9 @@ class Where:
 
     def __str__(self) -> str:
         line = "" if self.line is None else f"line {self.line}"
-        return ": ".join(filter(None, [", ".join(filter(None, [self.file, line])), _shorten(self.field, _LONGEST_FIELD)]))
+        return ": ".join(
+            filter(None, [", ".join(filter(None, [self.file, line])), _shorten(self.field, _LONGEST_FIELD)])
+        )
 
 
 class IctampError(Exception):

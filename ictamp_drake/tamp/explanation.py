@@ -93,9 +93,10 @@ class Explanation:
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
-                Blocked(str(report.action), {**report.refusals}, dict(report.obstacles)) for report in result.blocked
+                Blocked(str(report.action), dict(report.refusals.items()), dict(report.obstacles))
+                for report in result.blocked
             ),
-            failures={cause: count for cause, count in result.failures.most_common()},
+            failures=dict(result.failures.most_common()),
             steps=result.low_level_steps,
             plans=result.high_level_plans,
             verified=result.verified,

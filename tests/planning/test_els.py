@@ -103,7 +103,9 @@ def test_a_scale_of_zero_is_refused_by_name(name: str) -> None:
         ElsConfig(**{name: 0.0})  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("config", [ElsConfig(p_w=1e308), ElsConfig(p_c=1e308), ElsConfig(p_w=1e308, p_c=1e308, w0=1e-300)])
+@pytest.mark.parametrize(
+    "config", [ElsConfig(p_w=1e308), ElsConfig(p_c=1e308), ElsConfig(p_w=1e308, p_c=1e308, w0=1e-300)]
+)
 def test_powers_that_are_too_large_come_last(config: ElsConfig) -> None:
     search = Search(config)
     for seconds in (3.0, 2.0, 2.0):
