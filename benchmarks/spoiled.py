@@ -158,7 +158,7 @@ def crowd(rng: Rng) -> str:
     scene["boxes"] = {
         f"b{number}": {
             "size": [0.05, 0.05, 0.05],
-            "position": [round(0.25 + 0.09 * (number % 11), 3), round(-0.1 + 0.09 * (number // 11), 3), 0.025],
+            "position": [round(0.25 + 0.09 * (number % 11), 3), round(0.09 * (number // 11), 3), 0.025],
         }
         for number in range(count)
     }
@@ -310,7 +310,7 @@ def _box(rng: Rng) -> dict[str, Any]:
     rotation = _pick(rng, turns) if rng.random() < 0.9 else [float(x) for x in rng.uniform(-360, 360, 3)]
     height = size[{90: 1}.get(rotation[0], 0 if rotation[1] == 90 else 2)] / 2
     z = height if rng.random() < 0.8 else float(rng.uniform(-0.2, 0.5))
-    place = [*(float(x) for x in rng.uniform([0.2, -0.4], [0.75, 0.4])), z]
+    place = [*(float(x) for x in rng.uniform([0.2, -0.05], [0.75, 0.4])), z]
     return {"size": size, "position": place, "rotation": rotation, "mass": float(10 ** rng.uniform(-3, 0.5))}
 
 

@@ -35,6 +35,12 @@ SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
 MAX_BYTES = 2**17
 """Size of the largest scene file that is read [bytes], about a thousand boxes."""
 
+MAX_BOXES = 50
+"""Maximum number of boxes; to prepare a scene of so many takes 3 s, and time grows with the square of their number."""
+
+MAX_SUPPORTS = 20
+"""Maximum number of supports."""
+
 INTERFERENCES = ("stacked", "behind", "tipped")
 """Kinds of interference of boxes outside the goal (paper, Experiments)."""
 
@@ -173,9 +179,12 @@ class SceneSpec:
     description: str = ""
 
     def __post_init__(self) -> None:
-        for section in ("supports", "boxes"):
+        for section, most in (("supports", MAX_SUPPORTS), ("boxes", MAX_BOXES)):
             if not getattr(self, section):
                 raise IctampError(Code.EMPTY, "expected at least one", field=section)
+            if (count := len(getattr(self, section))) > most:
+                problem = f"expected at most {most}, got {{value}}"
+                raise IctampError(Code.TOO_LARGE, problem, field=section, value=count)
         check_names(supports=self.supports, boxes=self.boxes)
         if self.start.held:
             check_choice("start.held", self.start.held, self.boxes)

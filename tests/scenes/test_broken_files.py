@@ -1,12 +1,13 @@
 """Files that once ended the program, or took all of its time: each is refused in a short sentence at once, or read."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.scenes.spec import MAX_BYTES, load_scene
+from ictamp_drake.scenes.spec import MAX_BOXES, MAX_BYTES, MAX_SUPPORTS, load_scene
 from ictamp_drake.symbolic.goals import parse_goal
 from ictamp_drake.tamp.task import load
 from tests.refusals import refusal
@@ -94,15 +95,23 @@ def test_a_file_of_accounts_is_not_quoted_at_length() -> None:
     assert len(sentence_of(Path("/etc/passwd"))) < 400
 
 
-def test_an_unknown_object_does_not_list_thousands_of_boxes(tmp_path: Path) -> None:
+def test_an_unknown_object_does_not_list_all_boxes(tmp_path: Path) -> None:
     box = "{size: [0.05, 0.05, 0.1], position: [0.45, 0.1, 0.05]}"
     path = tmp_path / "scene.yaml"
-    boxes = "".join(f"  b{number}: {box}\n" for number in range(1500))
+    boxes = "".join(f"  b{number}_{'x' * 90}: {box}\n" for number in range(MAX_BOXES - 1))
     path.write_text(SCENE.replace("boxes:\n", f"boxes:\n{boxes}").replace("(on red_box rack)", "(on red_bix rack)"))
     spec = load_scene(path)
     with pytest.raises(IctampError) as caught:
         parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
     assert len(str(caught.value)) < 500
+
+
+@pytest.mark.parametrize(("section", "most"), [("boxes", MAX_BOXES), ("supports", MAX_SUPPORTS)])
+def test_more_than_can_be_planned_for_is_refused(section: str, most: int) -> None:
+    scene = load_scene(FILES / "f08-colour-1e-38.yaml")
+    (_, one), *_ = getattr(scene, section).items()
+    with refusal(Code.TOO_LARGE, section, value=most + 1):
+        replace(scene, **{section: {f"b{number}": one for number in range(most + 1)}})
 
 
 def test_ends_of_ranges_are_exact() -> None:
