@@ -104,18 +104,20 @@ def read_text(path: Path | str, limit: int | None = None) -> str:
         raise IctampError(Code.NOT_TEXT, "not a text file in UTF-8", file=path) from error
 
 
-def parse(text: str) -> object:
+def parse(text: str, limit: int | None = None) -> object:
     """Parse a YAML document into plain mappings, lists and scalars.
 
     Raises:
-        IctampError: A syntax error, an impossible value, a repeated key, or a document that is too large or too deep.
+        IctampError: A syntax error, an impossible value, a repeated key, or a document that is too deep or has more
+            than `limit` values, by default `MAX_NODES`.
     """
+    limit = limit or MAX_NODES
     try:
         if len(text) > MAX_EXPLAINED:
-            return _load(text, _Loader)
+            return _load(text, _Loader, limit)
         with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
-            return _load(text, _Loader)
-        return _load(text, _PythonLoader)
+            return _load(text, _Loader, limit)
+        return _load(text, _PythonLoader, limit)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else None
         raise IctampError(Code.NOT_YAML, f"not valid YAML: {error.problem}", line=line) from error
@@ -151,12 +153,12 @@ def in_file(path: Path | str) -> Iterator[None]:
         raise
 
 
-def _load(text: str, loader: type[_Loader | _PythonLoader]) -> object:
-    _check_limits(text, loader)
+def _load(text: str, loader: type[_Loader | _PythonLoader], limit: int) -> object:
+    _check_limits(text, loader, limit)
     return yaml.load(text, Loader=loader)
 
 
-def _check_limits(text: str, loader: type[_Loader | _PythonLoader]) -> None:
+def _check_limits(text: str, loader: type[_Loader | _PythonLoader], limit: int) -> None:
     """Raise IctampError when a YAML document is nested too deep or, with its aliases written out, too large."""
     measures: dict[str, tuple[int, int]] = {}  # size and height of what has an anchor
     unfinished: list[tuple[str | None, int, int]] = [(None, 0, 0)]  # of each collection anchor, size and height
@@ -178,8 +180,8 @@ def _check_limits(text: str, loader: type[_Loader | _PythonLoader]) -> None:
         unfinished[-1] = anchor, size_around + size, max(height_around, height + 1)
         if len(unfinished) + height > MAX_DEPTH:
             raise IctampError(Code.TOO_DEEP, _TOO_DEEP, line=line)
-        if sum(size for _, size, _ in unfinished) > MAX_NODES:
-            raise IctampError(Code.TOO_LARGE, f"expected at most {MAX_NODES} values, aliases written out", line=line)
+        if sum(size for _, size, _ in unfinished) > limit:
+            raise IctampError(Code.TOO_LARGE, f"expected at most {limit} values, aliases written out", line=line)
 
 
 def _find_line(path: Path, field: str) -> int | None:

@@ -33,7 +33,10 @@ SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
 """Shortest side of each kind of support [m]; a rack's legs and stabilizers need room."""
 
 MAX_BYTES = 2**17
-"""Size of the largest scene file that is read [bytes], about a thousand boxes."""
+"""Size of the largest scene file that is read [bytes]."""
+
+MAX_VALUES = 20_000
+"""Maximum number of values in a scene file, ten times as many as the largest scene has."""
 
 MAX_BOXES = 50
 """Maximum number of boxes; to prepare a scene of so many takes 3 s, and time grows with the square of their number."""
@@ -203,7 +206,7 @@ def load_scene(path: Path | str) -> SceneSpec:
         IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
     """
     with in_file(path):
-        return decode(SceneSpec, parse(read_text(path, MAX_BYTES)))
+        return decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:
