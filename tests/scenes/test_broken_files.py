@@ -107,6 +107,20 @@ def test_an_unknown_object_does_not_list_all_boxes(tmp_path: Path) -> None:
     assert len(str(caught.value)) < 500
 
 
+@pytest.mark.parametrize(("old", "section"), [("red_box", "boxes"), ("rack", "supports")])
+@pytest.mark.parametrize("name", ["on", "upright", "pick", "thing"])
+def test_a_name_that_the_planning_domain_has_is_refused_in_its_file(
+    old: str, section: str, name: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "scene.yaml"
+    text = SCENE.replace(f"  {old}:", f"  '{name}':").replace("(on red_box rack)", "(on BOX RACK)")
+    path.write_text(
+        text.replace("BOX", name if old == "red_box" else "red_box").replace("RACK", name if old == "rack" else "rack")
+    )
+    with refusal(Code.BAD_NAME, f"{section}.{name}", file=path):
+        load(path)
+
+
 @pytest.mark.parametrize(("section", "most"), [("boxes", MAX_BOXES), ("supports", MAX_SUPPORTS)])
 def test_more_than_can_be_planned_for_is_refused(section: str, most: int) -> None:
     scene = load_scene(FILES / "f08-colour-1e-38.yaml")
