@@ -6,7 +6,7 @@ from functools import cache
 from importlib import metadata
 from typing import Any
 
-from ictamp_drake.core.checks import POSITIVE, check_fields
+from ictamp_drake.core.checks import POSITIVE, check_range
 from ictamp_drake.core.provenance import PACKAGE, commit
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.world.config import PredicateConfig
@@ -27,7 +27,8 @@ class Timing:
     jerk: float
 
     def __post_init__(self) -> None:
-        check_fields(self, "timing", velocity=(POSITIVE, 1), acceleration=(POSITIVE, 1), jerk=(POSITIVE, 1))
+        for name, fraction in vars(self).items():
+            check_range(name, fraction, POSITIVE, 1)
 
 
 @dataclass(frozen=True)

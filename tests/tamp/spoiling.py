@@ -65,7 +65,7 @@ def _repeat(parent: Any, key: Any, random: Random) -> None:
 
 def _shift(parent: Any, key: Any, random: Random) -> None:
     """Change a number a little or much."""
-    if type(parent[key]) in (int, float):
+    if type(parent[key]) in (int, float) and abs(parent[key]) < 1e9:
         parent[key] = random.choice(
             [parent[key] + random.gauss(0, 10 ** random.uniform(-5, 2)), -parent[key], 1000 * parent[key]]
         )

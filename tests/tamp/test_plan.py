@@ -257,7 +257,7 @@ def at(path: str, value: Any) -> Spoil:
     """A change of one value; keys of lists are numbers."""
 
     def change(content: Any) -> None:
-        *parents, last = (int(key) if key.isdigit() else key for key in path.split("."))
+        *parents, last = (int(key) if key.lstrip("-").isdigit() else key for key in path.split("."))
         for key in parents:
             content = content[key]
         content[last] = value(content[last]) if callable(value) else value
