@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ictamp_drake.core.checks import POSITIVE, check_choice, check_count, check_range, check_vector
-from ictamp_drake.core.errors import Code, IctampError, join_fields
+from ictamp_drake.core.errors import Code, IctampError, join_fields, show
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment, State
 from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, MAX_GRIP_FORCE
 from ictamp_drake.models.hand import MAX_OPENING
@@ -83,7 +83,7 @@ def check_start(c: Configuration, spec: SceneSpec) -> None:
     if c.x is None:
         return
     joints, boxes = len(ARM_LIMITS) + len(FINGER_JOINTS), len(spec.boxes)
-    check_count("x", c.x.tolist(), (size := 2 * joints + 13 * boxes), size)
+    _check_length("x", c.x, 2 * joints + 13 * boxes)
     check_vector("x", c.x.tolist(), -100, 100, count=None)
     check_vector("x", c.x[joints + 7 * boxes :].tolist(), -MAX_SPEED, MAX_SPEED, count=None)
     poses = [c.x[joints + 7 * number :][:7] for number in range(boxes)]
@@ -115,8 +115,11 @@ def check_segment(segment: Segment, spec: SceneSpec) -> None:
     for number, q in enumerate(points):
         _check_joints(f"control_points[{number}]", q)
     moves = len(points) > 1
-    check_range("order", order, 4 if moves else 1, min(MAX_ORDER, len(points)))
-    check_count("knots", knots.tolist(), (count := len(points) + order), count)
+    check_range("order", order, 4 if moves else 1, MAX_ORDER if moves else 1)
+    if order > len(points):
+        problem = f"expected at least {order} points for a spline of order {order}, got {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, problem, field="control_points", value=points.tolist())
+    _check_length("knots", knots, len(points) + order)
     check_vector("knots", knots.tolist(), 0, segment.duration + 1e-9, " s", count=None)
     clamped = max(np.abs(knots[:order]).max(), np.abs(knots[-order:] - segment.duration).max()) <= 1e-9
     if not clamped or (np.diff(knots) < 0).any():
@@ -126,6 +129,12 @@ def check_segment(segment: Segment, spec: SceneSpec) -> None:
         _check_speeds(points, knots, order)
     for number, name in enumerate(sorted(segment.touches or ())):
         check_choice(f"touches[{number}]", name, [*spec.boxes, *spec.supports])
+
+
+def _check_length(field: str, values: FloatArray, length: int) -> None:
+    if len(values) != length:
+        problem = f"expected {length} numbers, got {len(values)}"
+        raise IctampError(Code.WRONG_LENGTH, problem, field=field, value=values.tolist())
 
 
 def _check_joints(field: str, q: FloatArray) -> None:
@@ -222,7 +231,7 @@ def check_derived(given: object, derived: object, field: str, *, complete: bool)
         for number, (one, other) in enumerate(zip(given, derived, strict=True)):
             check_derived(one, other, f"{field}[{number}]", complete=complete)
     elif not _is_same(given, derived):
-        problem = "{value} contradicts the rest of the file"
+        problem = f"expected {show(derived)}, which follows from the rest of the file, got {{value}}"
         raise IctampError(Code.CONFLICT, problem, field=field, value=given)
 
 

@@ -4,6 +4,7 @@
 prints what came of it.
 """
 
+import resource
 import sys
 import tempfile
 from collections import Counter
@@ -121,7 +122,7 @@ def main(source: str, count: int, seed: int = 0) -> None:
     """Spoil a plan `count` times, and print what came of it."""
     text = Path(source).read_text(encoding="utf-8")
     found: Counter[str] = Counter()
-    longest = 0.0
+    longest, grown = 0.0, [0, 0]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "plan.yaml"
         for number in range(count):
@@ -134,7 +135,10 @@ def main(source: str, count: int, seed: int = 0) -> None:
                     raise
                 found[f"{type(error).__name__} with seed {seed + number}: {error}"[:200]] += 1
             longest = max(longest, perf_counter() - started)
-    print(*(f"{times:5} {what}" for what, times in found.most_common()), f"longest {longest:.1f} s", sep="\n")
+            grown[number > count // 10] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    growth = (grown[1] - grown[0]) / 1024 / (0.9 * count)
+    print(*(f"{times:5} {what}" for what, times in found.most_common()), sep="\n")
+    print(f"longest {longest:.1f} s, growth {growth:.3f} MiB a file")
 
 
 if __name__ == "__main__":

@@ -126,6 +126,63 @@ def test_an_empty_plan_is_read(plan: Plan, tmp_path: Path) -> None:
     assert (len(empty), empty.duration, empty.c) == (0, 0, plan.c)
 
 
+def test_the_rest_of_a_plan_is_a_plan_that_starts_with_a_held_box(plan: Plan, tmp_path: Path) -> None:
+    path = tmp_path / "plan.yaml"
+    first, *rest = plan.attempts
+    assert first.successor is not None
+    replace(plan, c=first.successor, attempts=tuple(rest)).save(path)
+    read = Plan.load(path)
+    assert (read.c.held, str(read)) == ("red_box", "place(red_box, rack)")
+    assert read.replay().reached
+
+
+def without_surroundings(content: dict[str, Any], version: int) -> dict[str, Any]:
+    """The content as an earlier format had it."""
+    initial = {"q", "poses", "held", "gripper", *(("commanded", "x") if version == 2 else ())}
+    segment = {"label", "start", "duration", "gripper", "order", "knots", "control_points"}
+    segment |= {"touches"} if version == 2 else set()
+    return {
+        "format": version,
+        "scene": content["scene"],
+        "initial": {key: value for key, value in content["initial"].items() if key in initial},
+        "skeleton": content["skeleton"],
+        "steps": [
+            {
+                "action": step["action"],
+                "k": step["k"],
+                "segments": [{key: each[key] for key in segment} for each in step["segments"]],
+            }
+            for step in content["steps"]
+        ],
+    }
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_older_formats_become_todays(version: int, content: dict[str, Any], plan: Plan, tmp_path: Path) -> None:
+    path = tmp_path / "plan.yaml"
+    path.write_text(yaml.safe_dump(without_surroundings(content, version)))
+    old = Plan.load(path)
+    assert (old.spec, old.actions, old.origin) == (plan.spec, plan.actions, None)
+    assert old.c == (plan.c if version == 2 else replace(plan.c, commanded=old.c.q[:7], x=None))
+    assert all(attempt.successor is None for attempt in old.attempts)
+    assert old.replay().reached
+    old.save(path)
+    written = yaml.safe_load(path.read_text())
+    Draft202012Validator(SCHEMA).validate(written)
+    assert [step["expected"] for step in written["steps"]] == [None, None]
+    assert Plan.load(path).c == old.c
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_older_formats_are_checked_too(version: int, content: dict[str, Any], tmp_path: Path) -> None:
+    spoiled = without_surroundings(content, version)
+    spoiled["steps"][0]["action"] = "pick(red_box, rack)"
+    path = tmp_path / "plan.yaml"
+    path.write_text(yaml.safe_dump(spoiled))
+    with refusal(Code.CONFLICT, "steps[0].action", value="pick(red_box, rack)"):
+        read_plan(path)
+
+
 def test_the_file_follows_the_schema(content: dict[str, Any]) -> None:
     Draft202012Validator.check_schema(SCHEMA)
     Draft202012Validator(SCHEMA).validate(content)
