@@ -8,6 +8,7 @@ again, and writes the table to benchmarks/robustness.md after each plan. Takes a
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,6 +76,9 @@ class Options:
     varied: str = "0:6"
     wide: int = 22
 
+
+KINDS = ("a grasp missed", "a box tipped over", "a box lost or put elsewhere")
+"""What can be the first thing that goes wrong."""
 
 Rows = list[dict[str, Any]]
 
@@ -188,7 +192,7 @@ def write_table(rows: Rows) -> None:
         "",
         *markdown.table(headings, lines),
         "",
-        "## What failed first",
+        "## What went wrong first",
         "",
         *failures(rows),
     ]
@@ -196,12 +200,27 @@ def write_table(rows: Rows) -> None:
 
 
 def failures(rows: Rows) -> Sequence[str]:
-    """Format a line for each execution that does not reach the goal."""
+    """Count what went wrong first in executions that do not reach the goal, by change and set."""
     failed = [row for row in rows if not row["reached"]]
-    if not failed:
-        return ["Nothing."]
-    cells = [[row["change"], row["problem"], row["missed"] or "-", row["how"] or "-"] for row in failed]
-    return markdown.table(["change", "problem", "first step missed", "state"], cells, left=4)
+    counts = Counter(("wide" if row["set"] == WIDE else "levels", row["change"], classify(row)) for row in failed)
+    names = {"levels": "all four levels", "wide": f"boxes of {WIDE}"}
+    places = [(group, change) for group in names for change in CHANGES]
+    lines = [
+        [names[group], change, *(counts[group, change, kind] for kind in KINDS)]
+        for group, change in places
+        if any(counts[group, change, kind] for kind in KINDS)
+    ]
+    return markdown.table(["plans", "change", *KINDS], lines, left=2) if lines else ["Nothing."]
+
+
+def classify(row: dict[str, Any]) -> str:
+    """Return the kind of the first step that missed its state."""
+    missing = (row["how"] or "").partition("instead: ")[0]
+    if "upright(" in missing or "tipped(" in missing:
+        return "a box tipped over"
+    if "in-hand(" in missing:
+        return "a grasp missed"
+    return "a box lost or put elsewhere"
 
 
 def main() -> None:

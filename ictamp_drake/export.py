@@ -8,8 +8,7 @@ import tyro
 from rich.console import Console
 
 from ictamp_drake.core.checks import check_range
-from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.files import make_folder, write_whole
+from ictamp_drake.core.files import make_folder, refuse_unwritable, write_whole
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.tamp.samples import gripper_csv, joints_csv, ros_yaml, sample
@@ -50,16 +49,10 @@ def act(options: ExportOptions, console: Console) -> int:
     make_folder(folder)
     texts = {"joints.csv": joints_csv, "gripper.csv": gripper_csv, "joint_trajectory.yaml": ros_yaml}
     for name, write in texts.items():
-        _write(folder / name, write(parts))
+        with refuse_unwritable(folder / name):
+            write_whole(folder / name, write(parts))
         console.print(f"Written: {folder / name}", soft_wrap=True)
     return COMPLETE
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        write_whole(path, text)
-    except OSError as error:
-        raise IctampError(Code.NOT_WRITABLE, f"cannot be written: {error.strerror}", file=path) from error
 
 
 def main(arguments: list[str] | None = None) -> int:

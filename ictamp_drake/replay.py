@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 from rich.console import Console
 
+from ictamp_drake.core.files import refuse_unwritable
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.tamp.changes import Changes
 from ictamp_drake.tamp.expected import compare_steps, expected_states
@@ -57,7 +58,8 @@ def act(options: ReplayOptions, console: Console) -> int:
     )
     if replay.outcomes:
         page = options.out or options.plan.with_name("replay.html")
-        written = replace(plan, attempts=replay.recorded(plan.attempts)).show(page, browser=options.show)
+        with refuse_unwritable(page):
+            written = replace(plan, attempts=replay.recorded(plan.attempts)).show(page, browser=options.show)
         console.print(f"Replay: {written}", soft_wrap=True)
     return COMPLETE if replay.reached else BROKEN
 

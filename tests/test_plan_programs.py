@@ -6,8 +6,12 @@ import pytest
 
 from ictamp_drake import export, replay
 from ictamp_drake.runs.command import BAD_INPUT, BROKEN, COMPLETE
+from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.plan import Plan
+from ictamp_drake.world.world import World
 from tests.runs.plans import small_plan
+
+NOTHING_TO_DO = Path(__file__).parent / "scenes" / "cases" / "16-nothing-to-do.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -59,9 +63,11 @@ def test_an_export_writes_its_files_beside_the_plan_or_elsewhere(
     assert str(path.with_name("joints.csv")) in capsys.readouterr().out
 
 
-def test_an_empty_plan_is_exported(tmp_path: Path) -> None:
-    plan = small_plan()
-    Plan(plan.spec, plan.c, ()).save(tmp_path / "plan.yaml")
+def test_an_empty_plan_is_executed_and_exported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = load_scene(NOTHING_TO_DO)
+    Plan(spec, World(spec).initial_configuration(), ()).save(tmp_path / "plan.yaml")
+    assert replay.main([str(tmp_path / "plan.yaml"), "--noise", "0.001", "1"]) == COMPLETE
+    assert "the goal holds" in capsys.readouterr().out
     assert export.main([str(tmp_path / "plan.yaml")]) == COMPLETE
     assert (tmp_path / "joints.csv").read_text().count("\n") == 1
 
@@ -86,6 +92,18 @@ def test_bad_input_is_refused_in_one_sentence(
     output = capsys.readouterr()
     assert output.err.count("\n") == 1
     assert output.out == ""
+
+
+@pytest.mark.parametrize("place", ["file/below/page.html", "folder"])
+def test_a_page_that_cannot_be_written_is_named(
+    place: str, path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    assert replay.main([str(path), "--out", str(tmp_path / place)]) == BAD_INPUT
+    output = capsys.readouterr().err
+    assert output.startswith(f"{tmp_path / place}: ")
+    assert output.count("\n") == 1
 
 
 @pytest.mark.parametrize("main", [export.main, replay.main])

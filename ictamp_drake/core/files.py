@@ -27,6 +27,15 @@ def make_folder(path: Path) -> None:
         raise IctampError(Code.NOT_WRITABLE, problem, file=path) from error
 
 
+@contextmanager
+def refuse_unwritable(path: Path | str) -> Iterator[None]:
+    """Turn an error of the operating system in this block into an `IctampError` that names the file to be written."""
+    try:
+        yield
+    except OSError as error:
+        raise IctampError(Code.NOT_WRITABLE, f"cannot be written: {error.strerror}", file=path) from error
+
+
 def write_whole(path: Path | str, text: str) -> None:
     """Write a text file that appears whole or not at all."""
     with whole(path) as temporary:
