@@ -1,5 +1,6 @@
 """Wide scenes are scenes to start in; the table counts executions and goes on where it stopped."""
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import pytest
 
 from benchmarks import robustness
 from benchmarks.robustness import CHANGES, SIDES, WIDE, Options, find_scenes, make_wide_scene, write_table
+from ictamp_drake.tamp.changes import Changes
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.task import load
 
@@ -50,25 +52,29 @@ def test_the_table_counts_what_was_run(tmp_path: Path, monkeypatch: pytest.Monke
 
 def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run that ends in the middle of a plan executes only what is missing."""
+    executed: list[tuple[Any, str]] = []
+
+    def execute_all(plan: Any, todo: Mapping[str, Changes]) -> Iterator[tuple[str, dict[str, Any]]]:
+        for change in todo:
+            yield change, {"reached": True, "missed": None, "how": None}
+            executed.append((plan, change))
+
+    def interrupt(plan: Any, todo: Mapping[str, Changes]) -> Iterator[tuple[str, dict[str, Any]]]:
+        yield from list(execute_all(plan, dict(list(todo.items())[:3])))
+        raise KeyboardInterrupt
+
+    scenes = [("easy", "easy-000", None), ("easy", "easy-001", None)]
     monkeypatch.setattr(robustness, "OUT", tmp_path / "table.md")
     monkeypatch.setattr(robustness, "find_plan", lambda name, *_: name)
-    monkeypatch.setattr(robustness, "find_scenes", lambda _: [("easy", "easy-000", None), ("easy", "easy-001", None)])
-    executed: list[tuple[str, str]] = []
-    names = {id(changes): name for name, changes in CHANGES.items()}
-
-    def execute(plan: Any, changes: Any) -> dict[str, Any]:
-        executed.append((plan, names[id(changes)]))
-        return {"reached": True, "missed": None, "how": None}
-
-    def interrupt(plan: Any, changes: Any) -> dict[str, Any]:
-        if len(executed) == 3:
-            raise KeyboardInterrupt
-        return execute(plan, changes)
-
-    monkeypatch.setattr(robustness, "execute", interrupt)
+    monkeypatch.setattr(robustness, "find_scenes", lambda _: scenes)
+    monkeypatch.setattr(robustness, "execute_all", interrupt)
     with pytest.raises(KeyboardInterrupt):
         robustness.run(Options(out=tmp_path / "run"))
-    monkeypatch.setattr(robustness, "execute", execute)
+    monkeypatch.setattr(robustness, "execute_all", execute_all)
     rows = robustness.run(Options(out=tmp_path / "run"))
     assert len(rows) == 2 * len(CHANGES)
-    assert sorted(executed) == sorted((name, change) for name in ("easy-000", "easy-001") for change in CHANGES)
+    assert sorted(executed) == sorted((name, change) for _, name, _ in scenes for change in CHANGES)
+
+
+def test_a_problem_without_a_plan_has_one_line() -> None:
+    assert list(robustness.execute_all(None, CHANGES)) == [("", {"reached": None})]
