@@ -1,6 +1,7 @@
 """Execute a plan file again: `python -m ictamp_drake.replay PLAN.yaml`."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -9,11 +10,11 @@ import tyro
 from rich.console import Console
 
 from ictamp_drake.core.files import refuse_unwritable
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.runs.command import BROKEN, COMPLETE, command
 from ictamp_drake.tamp.changes import Changes
-from ictamp_drake.tamp.expected import compare_steps, expected_states
+from ictamp_drake.tamp.expected import StepReport, compare_steps, expected_states
 from ictamp_drake.tamp.plan import Plan
-from ictamp_drake.tamp.replay import Replay
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
@@ -50,8 +51,11 @@ def act(options: ReplayOptions, console: Console) -> int:
     """
     physics = options.changes.physics(options.physics)
     plan = options.changes.apply(Plan.load(options.plan), options.physics)
+    world = World(plan.spec)
+    with in_file(options.plan):
+        states = expected_states(world, plan.c, plan.actions)
     replay = plan.replay(physics)
-    _report(plan, replay, console)
+    _report(compare_steps(replay, SceneAbstraction(world), plan.actions, states), console)
     skills = f"{len(replay.outcomes)} of {len(plan)} skills executed in {replay.seconds:.1f} s"
     console.print(
         f"{options.plan}: {skills}; the goal {'holds' if replay.reached else 'does not hold'}", soft_wrap=True
@@ -64,11 +68,8 @@ def act(options: ReplayOptions, console: Console) -> int:
     return COMPLETE if replay.reached else BROKEN
 
 
-def _report(plan: Plan, replay: Replay, console: Console) -> None:
+def _report(steps: Sequence[StepReport], console: Console) -> None:
     """Print a line for each step, and where the execution first left the plan."""
-    world = World(plan.spec)
-    states = expected_states(world, plan.c, plan.actions)
-    steps = compare_steps(replay, SceneAbstraction(world), plan.actions, states)
     width = max((len(str(step.action)) for step in steps), default=0)
     for number, step in enumerate(steps, 1):
         console.print(f"{number:>3}  {step.action!s:<{width}}  {step}", soft_wrap=True)

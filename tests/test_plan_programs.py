@@ -94,6 +94,18 @@ def test_bad_input_is_refused_in_one_sentence(
     assert output.out == ""
 
 
+def test_actions_that_do_not_follow_from_each_other_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = small_plan()
+    Plan(plan.spec, plan.c, plan.attempts[1:]).save(tmp_path / "plan.yaml")
+    assert replay.main([str(tmp_path / "plan.yaml")]) == BAD_INPUT
+    output = capsys.readouterr()
+    assert output.err.startswith(str(tmp_path / "plan.yaml"))
+    assert output.err.count("\n") == 1
+    assert output.out == ""
+
+
 @pytest.mark.parametrize("place", ["file/below/page.html", "folder"])
 def test_a_page_that_cannot_be_written_is_named(
     place: str, path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
