@@ -44,6 +44,15 @@ _LONGEST = 300
 """Maximum number of characters of a path that a message quotes."""
 
 
+@contextmanager
+def refuse_unwritable(path: Path | str) -> Iterator[None]:
+    """Turn an error of the operating system in this block into an `IctampError` that names the file to be written."""
+    try:
+        yield
+    except OSError as error:
+        raise IctampError(Code.NOT_WRITABLE, f"cannot be written: {error.strerror}", file=path) from error
+
+
 def write_whole(path: Path | str, text: str) -> None:
     """Write a text file that appears whole or not at all.
 
