@@ -1,10 +1,10 @@
 """Make writable folders, write files that appear whole or not at all, and read JSON files."""
 
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 from ictamp_drake.core.decoding import mapping
@@ -20,8 +20,8 @@ def make_folder(path: Path) -> None:
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
-        if not os.access(path, os.W_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        with TemporaryFile(dir=path):
+            pass
     except RecursionError as error:
         raise IctampError(Code.TOO_DEEP, "expected a folder nested less deeply", file=shorten_path(path)) from error
     except (OSError, ValueError) as error:
@@ -42,6 +42,15 @@ def shorten_path(path: Path | str) -> str:
 
 _LONGEST = 300
 """Maximum number of characters of a path that a message quotes."""
+
+
+@contextmanager
+def refuse_unwritable(path: Path | str) -> Iterator[None]:
+    """Turn an error of the operating system in this block into an `IctampError` that names the file to be written."""
+    try:
+        yield
+    except OSError as error:
+        raise IctampError(Code.NOT_WRITABLE, f"cannot be written: {error.strerror}", file=path) from error
 
 
 def write_whole(path: Path | str, text: str) -> None:

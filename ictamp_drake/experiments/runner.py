@@ -115,8 +115,8 @@ def _scenes(options: Runner, method: Method) -> list[Problem]:
             count = f"{len(bad)} of {len(options.scenes)} scenes"
             bad[0].add_note(f"{count} are not valid; --skip-bad-scenes leaves them out")
         raise bad[0]
-    for left in bad:
-        print(f"left out: {left}", file=sys.stderr)
+    for refused in bad:
+        print(f"left out: {refused}", file=sys.stderr)
     return scenes
 
 

@@ -116,10 +116,14 @@ def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
         )
     check_folder_name("strategies", name)
     try:
-        return name, tyro.cli(Method, args=[respell_option(each) for each in shlex.split(options)], default=shared)
+        arguments = [respell_option(each) for each in shlex.split(options)]
     except ValueError as error:
         problem = f"cannot read the options of {{value}}: {error}"
         raise IctampError(Code.NOT_READABLE, problem, field="strategies", value=strategy) from error
+    if any(each.partition("=")[0] == "--seed" for each in arguments):
+        problem, advice = "expected options without --seed, got {value}", "give --seeds, which all strategies share"
+        raise IctampError(Code.CONFLICT, problem, field="strategies", value=strategy, advice=advice)
+    return name, tyro.cli(Method, args=arguments, default=shared)
 
 
 def _combine(shared: Method, strategy: Method) -> Method:

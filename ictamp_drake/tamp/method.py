@@ -160,8 +160,7 @@ class Method:
             weighted), round-robin and uniform use no estimator, and stap uses STAP's product of Q along the plan.
         max_expansions: Maximum number of nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
         verify: Test of a found plan, whose skills were executed one after the other already. none: no further test.
-            awake: another execution, in a fresh simulator in which no box sleeps. fine: the same with a time step of
-            1 ms.
+            awake: another execution, in a fresh simulator in which no box sleeps. fine: the same in steps of 1 ms.
         execution: Time at which physics runs the skills. each-step: at once, so that the search continues from the
             simulated end of each skill. whole-plan: once the motions of a whole plan are found; until then, each skill
             is assumed to end where it promises. A step that fails in physics counts as a failure, and the search

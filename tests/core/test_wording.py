@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import yaml
 from pytest_regressions.file_regression import FileRegressionFixture
@@ -17,6 +18,7 @@ from ictamp_drake.core.checks import FINITE, POSITIVE, check_count, check_differ
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import make_folder, read_json
 from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.experiments.strategies import methods
 from ictamp_drake.learning.batches import split
 from ictamp_drake.learning.checkpoint import load as load_checkpoint
 from ictamp_drake.learning.dataset import load as load_attempts
@@ -39,6 +41,7 @@ WITHOUT_EXAMPLE = {Code.NOT_INSTALLED, Code.NOT_REACHABLE}
 """These need Ray, or that it is not there."""
 
 RED_BOX, BLUE_BOX = GOOD.splitlines()[5], "  blue_box: {size: [0.05, 0.05, 0.1], position: [0.5, -0.1, 0.05]}"
+PLAN = (Path(__file__).parents[1] / "tamp" / "cases" / "plan.yaml").read_text(encoding="utf-8")
 RUN = {"program": "packing", "options": {"seed": 0}}
 
 
@@ -81,6 +84,19 @@ def refuse_no_attempts() -> None:
     split(load_attempts(Path("data")))
 
 
+def refuse_a_missing_column() -> None:
+    Path("data").mkdir()
+    write([], Path("data/none.parquet"))
+    pq.write_table(pq.read_table("data/none.parquet").drop_columns(["k"]), "data/none.parquet")
+    load_attempts(Path("data"))
+
+
+def read_changed(change: tuple[str, str]) -> None:
+    """Read a plan with a change, from a file in the working directory."""
+    assert change[0] in PLAN
+    read_plan(write_file("plan.yaml", PLAN.replace(*change, 1)))
+
+
 class Certain:
     """An estimator with a P above 1."""
 
@@ -117,6 +133,12 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "a goal that stands a box up": [
         ("position: [0.5, 0.1, 0.059]", "position: [0.5, 0.1, 0.025], rotation: [90, 0, 0]")
     ],
+    "a number of many digits": [("seed: 0", f"seed: {'9' * 5000}")],
+    "a number beyond all numbers": [("yaw: 90", f"yaw: 1{'0' * 310}")],
+    "a seed that is too large": [("seed: 0", f"seed: {2**63}")],
+    "a name that is too long": [("  red_box:", f"  {'x' * 200}:")],
+    "a field that is too long": [("seed: 0", f"{'x' * 200}: 0")],
+    "too many boxes": [(RED_BOX, "\n".join(RED_BOX.replace("red_box", f"b{number}") for number in range(51)))],
     "boxes in each other": [(RED_BOX, f"{RED_BOX}\n{BLUE_BOX.replace('-0.1', '0.13')}")],
     "a box in the air": [("[0.5, 0.1, 0.059]", "[0.5, 0.1, 0.2]")],
     "a box that nobody holds": [("seed: 0", "start: {held: red_box}")],
@@ -126,6 +148,20 @@ SCENES: dict[str, list[tuple[str, str]]] = {
         (RED_BOX, f"{RED_BOX}\n{BLUE_BOX.replace('[0.5, -0.1, 0.05]', '[0.524, 0.1, 0.168]')}"),
         ("goal", "  cyan_box: {size: [0.05, 0.05, 0.05], position: [0.548, 0.1, 0.243], mass: 2}\ngoal"),
     ],
+}
+PLANS: dict[str, tuple[str, str]] = {
+    "a plan whose joints are beyond their limits": ("  q: [0.0, -0.78", "  q: [0.0, -9.78"),
+    "a plan whose quaternion is none": ("    red_box: [1.0, 0.0", "    red_box: [1.0, 1.0"),
+    "a plan without a box": ("    blue_box: [1.0", "    green_box: [1.0"),
+    "a plan of another state of the simulator": ("  x: [0.0,", "  x: [0.1,"),
+    "a plan with an unknown action": ("action: pick(red_box", "action: grab(red_box"),
+    "a plan with an impossible action": ("action: pick(red_box, table", "action: pick(red_box, rack"),
+    "a plan with other actions in its skeleton": ("skeleton: ['pick(red_box", "skeleton: ['pick(blue_box"),
+    "a plan with a spline of another order": ("    order: 5", "    order: 6"),
+    "a plan with a spline of no order": ("    order: 5", "    order: 0"),
+    "a plan with a duration that its knots do not have": ("    duration: ", "    duration: 1"),
+    "a plan that grips too hard": ("force: 0.0", "force: 700.0"),
+    "a plan with another pad": ("friction: {pads: 1.0", "friction: {pads: 0.1"),
 }
 EXAMPLES: dict[str, Callable[[], object]] = {
     "an option out of range": lambda: check_range("planners.els.floor", 2.0, POSITIVE, 1),
@@ -154,6 +190,11 @@ EXAMPLES: dict[str, Callable[[], object]] = {
     ),
     "attempts that are not there": lambda: load_attempts(Path("nowhere")),
     "too few attempts": refuse_no_attempts,
+    "attempts that are no Parquet": lambda: load_attempts(
+        write_file("data/a.parquet", b"version https://git-lfs").parent
+    ),
+    "attempts without a column": refuse_a_missing_column,
+    "a seed in a strategy": lambda: methods("paper", ["mine=--seed 5"], [0]),
     "a folder of something else": lambda: open_run(RUN, Conduct(out=write_file("thesis/thesis.tex", "").parent)),
     "no run to resume": lambda: open_run(RUN, Conduct(out=Path("out"), resume=True)),
     "other options": refuse_other_options,
@@ -177,8 +218,9 @@ def test_the_wording_of_all_errors(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file_regression: FileRegressionFixture
 ) -> None:
     scenes = {name: partial(load_changed, changes) for name, changes in SCENES.items()}
+    plans = {name: partial(read_changed, change) for name, change in PLANS.items()}
     wording: dict[str, dict[str, str]] = {}
-    for number, (name, act) in enumerate({**scenes, **EXAMPLES}.items()):
+    for number, (name, act) in enumerate({**scenes, **plans, **EXAMPLES}.items()):
         folder = tmp_path / str(number)
         folder.mkdir()
         monkeypatch.chdir(folder)

@@ -25,6 +25,12 @@ def test_the_papers_regime_draws_once_and_limits_time_and_steps() -> None:
         assert (method.time_limit, method.max_steps) == (120.0, 600)
 
 
+@pytest.mark.parametrize("options", ["--seed 5", "--planner els --seed=5"])
+def test_a_strategy_has_no_seed_of_its_own(options: str) -> None:
+    with refusal(Code.CONFLICT, "strategies", value=f"mine={options}"):
+        methods("default", [f"mine={options}"], [0])
+
+
 def test_a_strategy_is_run_with_every_seed() -> None:
     seeded = methods("default", ["adaptive"], [3, 5])["adaptive"]
     assert [method.seed for method in seeded] == [3, 5]

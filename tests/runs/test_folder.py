@@ -250,3 +250,44 @@ def test_a_torn_record_is_dropped_when_a_run_is_continued() -> None:
     Path("out/results.jsonl").write_text('{"whole": 1}\n{"to')
     start(out=Path("out"))
     assert Path("out/results.jsonl").read_text() == '{"whole": 1}\n'
+
+
+ODD = [
+    "options: 2020-01-01",
+    "options: {seed: !!set {a, b}}",
+    "options: {seed: !!binary aGVsbG8=}",
+    "options: {1: 2, 2020-01-01: 3}",
+    "options: null",
+    "options: [1, 2]",
+    "problems: !!set {a, b}",
+    "level: 2020-01-01 10:00:00",
+    "seed: .nan",
+]
+
+
+@pytest.mark.parametrize("text", ODD)
+def test_values_of_odd_types_are_other_options(text: str) -> None:
+    start(out=Path("out"))
+    config = Path("out/config.yaml")
+    key = text.partition(":")[0]
+    kept = {name: value for name, value in yaml.safe_load(config.read_text()).items() if name != key}
+    config.write_text(f"{yaml.safe_dump(kept)}{text}\n")
+    with refusal(Code.OTHER_OPTIONS, file="out"):
+        start(out=Path("out"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sessions: [2020-01-01, !!set {a}, !!binary aGVsbG8=, null, 3, {1: 2}]",
+        "sessions: [{started: [], conduct: 3, versions: !!set {a}}]",
+    ],
+)
+def test_sessions_of_odd_types_are_kept(text: str) -> None:
+    start(out=Path("out"))
+    config = Path("out/config.yaml")
+    kept = {name: value for name, value in yaml.safe_load(config.read_text()).items() if name != "sessions"}
+    config.write_text(f"{yaml.safe_dump(kept)}{text}\n")
+    before = yaml.safe_load(config.read_text())["sessions"]
+    start(out=Path("out"))
+    assert yaml.safe_load(config.read_text())["sessions"][:-1] == before

@@ -3,7 +3,8 @@
 import subprocess
 from pathlib import Path
 
-from ictamp_drake.runs.provenance import commit, provenance, versions
+from ictamp_drake.core.provenance import commit
+from ictamp_drake.runs.provenance import provenance, versions
 
 
 def git(folder: Path, *arguments: str) -> str:
