@@ -42,7 +42,6 @@ class Code(StrEnum):
     NOT_HELD = "not-held"
     NOT_AT_REST = "not-at-rest"
     BAD_STATE = "bad-state"
-    GOAL_HOLDS = "goal-holds"
     IMPOSSIBLE_GOAL = "impossible-goal"
     # Runs and learning
     NOT_A_RUN = "not-a-run"

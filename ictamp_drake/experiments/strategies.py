@@ -13,6 +13,7 @@ from ictamp_drake.core.spelling import respell, respell_option
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.els import ElsConfig
+from ictamp_drake.runs.jobs import check_folder_name
 from ictamp_drake.skills.config import PolicyConfig, SkillsConfig
 from ictamp_drake.tamp.method import Estimators, Method, Planners, Samplers
 
@@ -113,6 +114,7 @@ def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
             choices=STRATEGIES,
             advice='or give options with a name of letters, digits, _, ., + and -, e.g. "mine=--planner els"',
         )
+    check_folder_name("strategies", name)
     try:
         arguments = [respell_option(each) for each in shlex.split(options)]
     except ValueError as error:

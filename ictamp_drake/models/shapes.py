@@ -99,22 +99,21 @@ def _support_sdf(name: str, shapes: tuple[Shape, ...], color: Color) -> str:
     return document(element("model", [element("link", children, name=name)], name=name))
 
 
-def table_sdf(name: str, size: Size) -> str:
-    """A slab with its origin at the center of its top face, to be welded to the world.
+def support_shapes(kind: str, size: Size) -> tuple[Shape, ...]:
+    """Solid shapes of a table or a rack in the frame of its top face.
 
     Raises:
-        IctampError: A side is shorter than 1 mm.
+        IctampError: A side is too short for them.
     """
+    return (_table_shapes if kind == "table" else _rack_shapes)(kind, size)
+
+
+def _table_shapes(name: str, size: Size) -> tuple[Shape, ...]:
     _check(name, size, 1e-3)
-    return _support_sdf(name, (Shape("top", "box", size, (0.0, 0.0, -size[2] / 2)),), read_thing("table").color)
+    return (Shape("top", "box", size, (0.0, 0.0, -size[2] / 2)),)
 
 
-def rack_sdf(name: str, size: Size) -> str:
-    """A top plate on four legs with two stabilizers at their feet. The origin is the center of the plate's top face.
-
-    Raises:
-        IctampError: A side is too short for plate and legs.
-    """
+def _rack_shapes(name: str, size: Size) -> tuple[Shape, ...]:
     _check(name, size, 3 * RACK_THICKNESS)
     x, y, z = size
     side = RACK_THICKNESS
@@ -127,5 +126,22 @@ def rack_sdf(name: str, size: Size) -> str:
         Shape(f"stabiliser_{i}", "box", (x - 2 * side, side, side), (0.0, sy * (y - side) / 2, side / 2 - z))
         for i, sy in enumerate((-1, 1))
     )
-    top = Shape("top", "box", (x, y, side), (0.0, 0.0, -side / 2))
-    return _support_sdf(name, (top, *legs, *stabilisers), read_thing("rack").color)
+    return (Shape("top", "box", (x, y, side), (0.0, 0.0, -side / 2)), *legs, *stabilisers)
+
+
+def table_sdf(name: str, size: Size) -> str:
+    """A slab with its origin at the center of its top face, to be welded to the world.
+
+    Raises:
+        IctampError: A side is shorter than 1 mm.
+    """
+    return _support_sdf(name, _table_shapes(name, size), read_thing("table").color)
+
+
+def rack_sdf(name: str, size: Size) -> str:
+    """A top plate on four legs with two stabilizers at their feet. The origin is the center of the plate's top face.
+
+    Raises:
+        IctampError: A side is too short for plate and legs.
+    """
+    return _support_sdf(name, _rack_shapes(name, size), read_thing("rack").color)

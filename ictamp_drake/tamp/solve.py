@@ -24,6 +24,7 @@ from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.explanation import Explanation
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.plan import Plan
+from ictamp_drake.tamp.plan_origin import Origin
 from ictamp_drake.tamp.replay import replay
 from ictamp_drake.tamp.task import Task
 
@@ -40,6 +41,7 @@ class Solution:
         setup_time_s: Part of the processor time that was spent before the search [s].
         geometric_time_s: Processor time until the first plan was finished, before any of its steps ran in physics [s];
             None when no plan was finished, or when each step runs in physics at once.
+        method: Method that solved the task.
     """
 
     task: Task
@@ -48,13 +50,14 @@ class Solution:
     cpu_time_s: float
     setup_time_s: float
     geometric_time_s: float | None = None
+    method: Method = SCENE_METHOD
 
     @property
     def plan(self) -> Plan | None:
         """Plan that was found and executed; None when there is none, see `explain`."""
         if not self.result.solved or self.result.plan is None:
             return None
-        return Plan(self.task.spec, self.task.c, self.result.plan)
+        return Plan(self.task.spec, self.task.c, self.result.plan, Origin.of(self.method))
 
     def explain(self) -> Explanation:
         """Explain why the search ended, what refused each blocked action, and what would help; `str` of it is text."""
@@ -101,7 +104,10 @@ def solve(
     skills = method.skills.create(task.world, task.abstraction, task.physics, method.sampler_config)
     whole = method.execution == "whole-plan"
     estimator = method.estimator_config.create(EstimatorContext(task.world, skills))
-    budget = method.budget(elapsed=task.setup_time_s + perf_counter() - started)
+    budget = method.budget(
+        elapsed=task.setup_time_s + perf_counter() - started,
+        cpu_elapsed=task.setup_cpu_time_s + process_time() - cpu_started,
+    )
     planner = PlannerConfig(budget, method.max_expansions, method.rule_config).create(
         c=task.c,
         s=task.s,
@@ -118,7 +124,8 @@ def solve(
     result = planner.run()
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
     planning = task.setup_time_s + perf_counter() - started
-    return Solution(task, result, planning, task.setup_cpu_time_s + process_time() - cpu_started, setup, geometric)
+    cpu_time = task.setup_cpu_time_s + process_time() - cpu_started
+    return Solution(task, result, planning, cpu_time, setup, geometric, method)
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:

@@ -41,6 +41,7 @@ WITHOUT_EXAMPLE = {Code.NOT_INSTALLED, Code.NOT_REACHABLE}
 """These need Ray, or that it is not there."""
 
 RED_BOX, BLUE_BOX = GOOD.splitlines()[5], "  blue_box: {size: [0.05, 0.05, 0.1], position: [0.5, -0.1, 0.05]}"
+PLAN = (Path(__file__).parents[1] / "tamp" / "cases" / "plan.yaml").read_text(encoding="utf-8")
 RUN = {"program": "packing", "options": {"seed": 0}}
 
 
@@ -90,6 +91,12 @@ def refuse_a_missing_column() -> None:
     load_attempts(Path("data"))
 
 
+def read_changed(change: tuple[str, str]) -> None:
+    """Read a plan with a change, from a file in the working directory."""
+    assert change[0] in PLAN
+    read_plan(write_file("plan.yaml", PLAN.replace(*change, 1)))
+
+
 class Certain:
     """An estimator with a P above 1."""
 
@@ -132,7 +139,6 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "a name that is too long": [("  red_box:", f"  {'x' * 200}:")],
     "a field that is too long": [("seed: 0", f"{'x' * 200}: 0")],
     "too many boxes": [(RED_BOX, "\n".join(RED_BOX.replace("red_box", f"b{number}") for number in range(51)))],
-    "a goal that holds": [("(on red_box rack)", "(on red_box table)")],
     "boxes in each other": [(RED_BOX, f"{RED_BOX}\n{BLUE_BOX.replace('-0.1', '0.13')}")],
     "a box in the air": [("[0.5, 0.1, 0.059]", "[0.5, 0.1, 0.2]")],
     "a box that nobody holds": [("seed: 0", "start: {held: red_box}")],
@@ -142,6 +148,20 @@ SCENES: dict[str, list[tuple[str, str]]] = {
         (RED_BOX, f"{RED_BOX}\n{BLUE_BOX.replace('[0.5, -0.1, 0.05]', '[0.524, 0.1, 0.168]')}"),
         ("goal", "  cyan_box: {size: [0.05, 0.05, 0.05], position: [0.548, 0.1, 0.243], mass: 2}\ngoal"),
     ],
+}
+PLANS: dict[str, tuple[str, str]] = {
+    "a plan whose joints are beyond their limits": ("  q: [0.0, -0.78", "  q: [0.0, -9.78"),
+    "a plan whose quaternion is none": ("    red_box: [1.0, 0.0", "    red_box: [1.0, 1.0"),
+    "a plan without a box": ("    blue_box: [1.0", "    green_box: [1.0"),
+    "a plan of another state of the simulator": ("  x: [0.0,", "  x: [0.1,"),
+    "a plan with an unknown action": ("action: pick(red_box", "action: grab(red_box"),
+    "a plan with an impossible action": ("action: pick(red_box, table", "action: pick(red_box, rack"),
+    "a plan with other actions in its skeleton": ("skeleton: ['pick(red_box", "skeleton: ['pick(blue_box"),
+    "a plan with a spline of another order": ("    order: 5", "    order: 6"),
+    "a plan with a spline of no order": ("    order: 5", "    order: 0"),
+    "a plan with a duration that its knots do not have": ("    duration: ", "    duration: 1"),
+    "a plan that grips too hard": ("force: 0.0", "force: 700.0"),
+    "a plan with another pad": ("friction: {pads: 1.0", "friction: {pads: 0.1"),
 }
 EXAMPLES: dict[str, Callable[[], object]] = {
     "an option out of range": lambda: check_range("planners.els.floor", 2.0, POSITIVE, 1),
@@ -198,8 +218,9 @@ def test_the_wording_of_all_errors(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file_regression: FileRegressionFixture
 ) -> None:
     scenes = {name: partial(load_changed, changes) for name, changes in SCENES.items()}
+    plans = {name: partial(read_changed, change) for name, change in PLANS.items()}
     wording: dict[str, dict[str, str]] = {}
-    for number, (name, act) in enumerate({**scenes, **EXAMPLES}.items()):
+    for number, (name, act) in enumerate({**scenes, **plans, **EXAMPLES}.items()):
         folder = tmp_path / str(number)
         folder.mkdir()
         monkeypatch.chdir(folder)

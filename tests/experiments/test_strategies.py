@@ -48,6 +48,12 @@ def test_what_is_no_strategy_is_refused_with_the_names_that_are(name: str) -> No
         methods("paper", [name], [0])
 
 
+@pytest.mark.parametrize("name", ["results.jsonl", "config.yaml", "index.html", 201 * "a"])
+def test_a_strategy_does_not_take_the_name_of_a_file_of_the_run(name: str) -> None:
+    with refusal(Code.BAD_NAME, "strategies", value=name):
+        methods("paper", [f"{name}=--planner els"], [0])
+
+
 @pytest.mark.parametrize("names", [["stap", "stap"], ["mine=--planner els", "mine=--planner stap"]])
 def test_strategies_of_the_same_name_are_refused(names: list[str]) -> None:
     with refusal(Code.REPEATED, "strategies", value=names[0].partition("=")[0]):

@@ -1,0 +1,208 @@
+"""Reading of plan.yaml: a plan that can be executed, or an error that names what is wrong."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ictamp_drake.core.checks import check_vector
+from ictamp_drake.core.decoding import decode, mapping
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file, parse, read_text
+from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
+from ictamp_drake.models.hand import MAX_OPENING
+from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.symbolic.goals import parse_goal
+from ictamp_drake.tamp.plan_checks import (
+    check_action,
+    check_configuration,
+    check_continuity,
+    check_derived,
+    check_segment,
+    check_start,
+    check_states,
+    within,
+)
+from ictamp_drake.tamp.plan_file import FORMAT, plan_content, predicates_of
+from ictamp_drake.tamp.plan_origin import Origin
+from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.world import World
+
+FORMATS = (1, 2, FORMAT)
+"""Formats that are read. Format 1 lacks `commanded`, `x` and `touches`, and formats 1 and 2 what surrounds the motion:
+robot, bodies, and what is expected after each step."""
+
+_Seven = tuple[float, float, float, float, float, float, float]
+"""Joint positions of the arm, or a pose."""
+
+
+class Parts(NamedTuple):
+    """Parts of a plan, in the order of `Plan`."""
+
+    spec: SceneSpec
+    c: Configuration
+    attempts: tuple[Attempt[Configuration], ...]
+    origin: Origin | None
+
+
+def read_parts(path: Path) -> Parts:
+    """Read and check the parts of a plan.
+
+    Raises:
+        IctampError: The file cannot be read, is not a plan, or contradicts itself.
+    """
+    with in_file(path):
+        content = mapping(parse(read_text(path)))
+        version = content.get("format", FORMAT)
+        if isinstance(version, bool) or version not in FORMATS:
+            problem = f"expected {', '.join(map(str, FORMATS[:-1]))} or {FORMAT}, got {{value}}"
+            raise IctampError(Code.OTHER_VERSION, problem, field="format", value=version)
+        found = decode(_File, content)
+        parts = _check_parts(found)
+        _check_whole(content, parts, found.format)
+    return parts
+
+
+def _check_parts(found: "_File") -> Parts:
+    """Return the parts of the plan, each of which is sound by itself."""
+    spec = found.scene
+    with within("scene"):
+        parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
+    with within("initial"):
+        c = found.initial.configuration()
+        check_start(c, spec)
+    attempts = []
+    for number, step in enumerate(found.steps):
+        with within(f"steps[{number}]"):
+            attempts.append(step.attempt(spec))
+    check_continuity(c, attempts, found.format)
+    return Parts(spec, c, tuple(attempts), found.origin)
+
+
+def _check_whole(content: Mapping[str, object], parts: Parts, version: int) -> None:
+    """Raise IctampError when parts of the plan contradict each other."""
+    spec, c, attempts, origin = parts
+    abstraction = SceneAbstraction(World(spec), predicates_of(origin))
+    ends = [None if attempt.successor is None else abstraction(attempt.successor) for attempt in attempts]
+    check_states(spec, abstraction(c), [attempt.action for attempt in attempts], ends)
+    derived = plan_content(spec, c, attempts, origin, abstraction)
+    for key in ("scene", "origin"):
+        del derived[key]
+    given = {key: value for key, value in content.items() if key in derived}
+    if version < FORMAT:
+        derived = {key: derived[key] for key in ("initial", "skeleton", "steps")}
+        given = {key: value for key, value in given.items() if key in derived}
+    else:
+        del derived["format"], given["format"]
+    check_derived(given, derived, "", complete=version == FORMAT)
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """A configuration in the file; what follows from the other fields is compared with them later."""
+
+    q: tuple[float, ...]
+    poses: dict[str, _Seven]
+    held: str | None = None
+    width: Any = None
+    load: Any = None
+    poses_in_base: Any = None
+    atoms: Any = None
+
+    def __post_init__(self) -> None:
+        if len(self.q) != 9:
+            raise IctampError(Code.WRONG_LENGTH, "expected nine numbers, got {value}", field="q", value=self.q)
+
+    def arrays(self) -> tuple[FloatArray, dict[str, FloatArray]]:
+        return np.array(self.q), {name: np.array(pose) for name, pose in self.poses.items()}
+
+
+@dataclass(frozen=True)
+class _Start(_Moment):
+    """Entry `initial` of the file."""
+
+    commanded: _Seven | None = None
+    x: tuple[float, ...] | None = None
+    gripper: GripperCommand = GripperCommand(MAX_OPENING)  # plans of earlier versions start with an open hand
+
+    def configuration(self) -> Configuration:
+        q, poses = self.arrays()
+        commanded = None if self.commanded is None else np.array(self.commanded)
+        x = None if self.x is None else np.array(self.x)
+        return Configuration(q, poses, self.held, self.gripper, commanded, x)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class _Segment:
+    """One of the `segments` of a step in the file."""
+
+    label: str
+    start: float
+    duration: float
+    gripper: GripperCommand
+    order: int
+    knots: tuple[float, ...]
+    control_points: tuple[_Seven, ...]
+    touches: tuple[str, ...] | None = None
+
+    def segment(self) -> Segment:
+        return Segment(
+            label=self.label,
+            duration=self.duration,
+            gripper=self.gripper,
+            order=self.order,
+            knots=np.array(self.knots),
+            control_points=np.array(self.control_points),
+            touches=None if self.touches is None else frozenset(self.touches),
+        )
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One of the `steps` in the file."""
+
+    action: str
+    k: tuple[float, float, float, float]
+    segments: tuple[_Segment, ...]
+    expected: _Moment | None = None
+
+    def attempt(self, spec: SceneSpec) -> Attempt[Configuration]:
+        """Return the step, which is sound by itself."""
+        name, _, arguments = self.action.removesuffix(")").partition("(")
+        action = Action(name, tuple(arguments.split(", ")))
+        check_action(action, spec)
+        check_vector("k", self.k, -100, 100, count=None)
+        if not self.segments:
+            raise IctampError(Code.EMPTY, "expected at least one", field="segments")
+        motion = tuple(each.segment() for each in self.segments)
+        for number, segment in enumerate(motion):
+            with within(f"segments[{number}]"):
+                check_segment(segment, spec)
+        return Attempt(action, None, self._end(motion[-1], spec), np.array(self.k), motion)
+
+    def _end(self, last: Segment, spec: SceneSpec) -> Configuration | None:
+        if self.expected is None:
+            return None
+        q, poses = self.expected.arrays()
+        c = Configuration(q, poses, self.expected.held, last.gripper, last.control_points[-1])
+        with within("expected"):
+            check_configuration(c, spec)
+        return c
+
+
+@dataclass(frozen=True, kw_only=True)
+class _File:
+    """The whole file. What follows from the scene is compared with it later."""
+
+    format: int
+    units: Any = None
+    origin: Origin | None = None
+    robot: Any = None
+    contact: Any = None
+    bodies: Any = None
+    scene: SceneSpec
+    initial: _Start
+    skeleton: tuple[str, ...] = ()
+    steps: tuple[_Step, ...]
