@@ -305,11 +305,11 @@ def _text(rng: Rng, length: int) -> str:
 
 
 def _box(rng: Rng) -> dict[str, Any]:
-    size = [float(x) for x in 10 ** rng.uniform(-2.2, -0.6, 3)]
+    size = [float(x) for x in (rng.uniform(0.02, 0.07, 3) if rng.random() < 0.8 else 10 ** rng.uniform(-2.2, -0.6, 3))]
     turns = [[0, 0, 0], [90, 0, 0], [0, 90, 45], [0, 0, float(rng.uniform(-360, 360))], [180, 0, 0]]
-    rotation = _pick(rng, turns) if rng.random() < 0.9 else [float(x) for x in rng.uniform(-360, 360, 3)]
+    rotation = _pick(rng, turns) if rng.random() < 0.95 else [float(x) for x in rng.uniform(-360, 360, 3)]
     height = size[{90: 1}.get(rotation[0], 0 if rotation[1] == 90 else 2)] / 2
-    z = height if rng.random() < 0.8 else float(rng.uniform(-0.2, 0.5))
+    z = height if rng.random() < 0.9 else float(rng.uniform(-0.2, 0.5))
     place = [*(float(x) for x in rng.uniform([0.2, -0.05], [0.75, 0.4])), z]
     return {"size": size, "position": place, "rotation": rotation, "mass": float(10 ** rng.uniform(-3, 0.5))}
 

@@ -189,8 +189,8 @@ def reading(path: Path) -> Iterator[None]:
     try:
         yield
     except (pa.ArrowException, OSError) as error:
-        problem = f"cannot be read as Parquet: {str(error).partition(chr(10))[0]}"
-        raise IctampError(Code.DAMAGED, problem, file=path) from error
+        problem = f"cannot be read as Parquet: {str(error).partition(chr(10))[0].rstrip('.')}"
+        raise IctampError(Code.DAMAGED, problem, file=path, advice="remove it, or fetch it again") from error
 
 
 def read_rows(folder: Path, columns: Sequence[str], where: pads.Expression | None = None) -> pa.Table:
