@@ -24,7 +24,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
     """
     _check_joints(world)
     c, held = world.initial_configuration(), world.spec.start.held
-    _check_overlaps(world, c)
+    check_overlaps(world, c, "boxes")
     state = abstraction(c)
     _check_carried(world, state)
     if held and Atom("in-hand", (held,)) not in state:
@@ -52,13 +52,14 @@ def _check_joints(world: World) -> None:
         check_range(f"start.joints[{number}]", position, limits.lower, limits.upper, " rad")
 
 
-def _check_overlaps(world: World, c: Configuration) -> None:
+def check_overlaps(world: World, c: Configuration, field: str) -> None:
+    """Raise IctampError, for a field, when bodies overlap in c by more than `MAX_OVERLAP`."""
     supports = set(world.spec.supports)  # which may stand in each other
     for touch in world.touches(c, 0.0):
         if touch.distance < -MAX_OVERLAP and not {touch.a, touch.b} <= supports:
             problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
             bodies = sorted((touch.a, touch.b))
-            raise IctampError(Code.OVERLAP, problem, field="boxes", value=bodies, advice="move one of them")
+            raise IctampError(Code.OVERLAP, problem, field=field, value=bodies, advice="move one of them")
 
 
 def _check_carried(world: World, state: State) -> None:
