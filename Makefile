@@ -11,7 +11,7 @@ PIP := $(BIN)/python -m pip
 HAS_GLIB = $(BIN)/python -c 'import ctypes; ctypes.CDLL("libglib-2.0.so.0")' 2>/dev/null
 HAS_CHROMIUM = command -v chromium || command -v chromium-browser || command -v google-chrome
 
-.PHONY: help install install-test packing test check lint prose types dependencies contracts format wheel constraints clean
+.PHONY: help install install-test packing test robustness check lint prose types dependencies contracts format wheel constraints clean
 
 help:  ## say what there is
 	@sed -n 's/^\([a-z-]*\):.*## /\1: /p' Makefile
@@ -22,6 +22,9 @@ packing: install  ## plan, execute and record the packing problems of LEVEL (eas
 test: install-test  ## run the tests, all but those of the built wheel
 	@$(HAS_CHROMIUM) >/dev/null || scripts/apt_install.sh chromium "No Chromium for the tests of the replay page." || true
 	$(BIN)/python -m pytest -n $(WORKERS) -m "not wheel" $(ARGS)
+
+robustness: install  ## execute plans with moved boxes and changed physics, and write benchmarks/robustness.md
+	$(BIN)/python benchmarks/robustness.py $(ARGS)
 
 check: lint prose types dependencies contracts  ## lint, prose, types, dependencies and contracts, one after the other
 

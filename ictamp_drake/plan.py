@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 import ictamp_drake as ict
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.program import Work, main
@@ -40,10 +41,10 @@ def work(options: PlanOptions) -> Work:
         IctampError: The scene is invalid. Nothing has been written at that point.
     """
     task = ict.load(options.scene, options.method)
-    name = options.scene.stem
     about = {"program": "plan", "scene": to_dict(task.spec), "options": options.method.decisive}
-    job = Job(Problem(name, task.spec), options.method, task=task)
-    return Work(name, about, [job], options.conduct)
+    with in_file(options.scene):
+        problem = Problem(options.scene.stem, task.spec)
+    return Work(problem.name, about, [Job(problem, options.method, task=task)], options.conduct)
 
 
 if __name__ == "__main__":

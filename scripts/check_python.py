@@ -4,13 +4,14 @@ import importlib
 import sys
 
 MINIMUM = (3, 11)
+MAXIMUM = (3, 13)
 
 
 def complaint():
     """Return a sentence that names what is missing, or None."""
-    if sys.version_info < MINIMUM:
-        return "ictamp_drake needs Python %d.%d or newer, and %s is %d.%d; name another: make PYTHON=python3.12 ..." % (
-            MINIMUM + (sys.executable,) + tuple(sys.version_info[:2])
+    if not MINIMUM <= sys.version_info[:2] <= MAXIMUM:
+        return "ictamp_drake needs Python %d.%d to %d.%d, and %s is %d.%d; name another: make PYTHON=python3.12 ..." % (
+            MINIMUM + MAXIMUM + (sys.executable,) + tuple(sys.version_info[:2])
         )
     try:
         importlib.import_module("venv")

@@ -207,6 +207,7 @@ def toy_planner(
     seed: int = 0,
     steps: int | None = 200,
     seconds: float = 60.0,
+    cpu_seconds: float | None = None,
     rule: RuleConfig | None = None,
     max_expansions: int = 1000,
     estimator: Estimator[ToyConfiguration] | None = None,
@@ -215,9 +216,10 @@ def toy_planner(
     listeners: Sequence[Listener] = (),
     stop: Callable[[], bool] = lambda: False,
     clock: Callable[[], float] | None = None,
+    cpu_clock: Callable[[], float] | None = None,
 ) -> Planner[ToyConfiguration]:
     """The planner for a world. Time stands still unless a clock is given."""
-    config = PlannerConfig(Budget(seconds, steps), max_expansions, rule or ProportionalConfig())
+    config = PlannerConfig(Budget(seconds, steps, cpu_seconds), max_expansions, rule or ProportionalConfig())
     return config.create(
         c=world.start,
         s=abstraction(world.start),
@@ -230,7 +232,7 @@ def toy_planner(
         listeners=listeners,
         stop=stop,
         clock=clock or TickingClock(),
-        cpu_clock=clock or TickingClock(),
+        cpu_clock=cpu_clock or clock or TickingClock(),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ictamp_drake.learning.dataset import STAGES, AttemptRow, merge, open_table, write
+from ictamp_drake.learning.dataset import STAGES, AttemptRow, merge, read_rows, write
 
 BLOCK = 100
 """Number of scenes whose rows share a file."""
@@ -32,8 +32,8 @@ class Shards:
 
     def read_begun(self, scene: int) -> int | None:
         """Number of the attempt of a scene that began last, or None when none is recorded."""
-        text = self._note(scene).read_text() if self._note(scene).exists() else ""
-        return int(text) if text else None
+        text = self._note(scene).read_bytes() if self._note(scene).exists() else b""
+        return int(text) if text.isdigit() else None
 
     def list_done(self) -> set[int]:
         """Numbers of the finished scenes."""
@@ -73,12 +73,10 @@ def summary(folder: Path) -> dict[str, Any]:
     """Summarize a folder of joined attempts, in JSON types.
 
     Raises:
-        IctampError: There are no recorded attempts in the folder.
+        IctampError: There are no recorded attempts in the folder, or a file is damaged or has other columns.
     """
     stages = [f"{stage}_ms" for stage in STAGES]
-    rows = (
-        open_table(folder).to_table(columns=["scene", "action", "sampler", "failure", "executed", *stages]).to_pylist()
-    )
+    rows = read_rows(folder, ["scene", "action", "sampler", "failure", "executed", *stages]).to_pylist()
     seconds = {stage: sum(row[f"{stage}_ms"] for row in rows) / 1000 for stage in STAGES}
     size = sum(path.stat().st_size for path in folder.glob("*.parquet"))
     by_sampler, failures = defaultdict[str, list[dict[str, Any]]](list), defaultdict[str, Counter[str]](Counter)

@@ -6,12 +6,15 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Literal
 
-from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.errors import Code, IctampError, show
 
 POSITIVE = math.ulp(0.0)
 """Smallest number above 0, as the lower end of a range."""
 FINITE = sys.float_info.max
 """Greatest finite number, as the upper end of a range."""
+
+MAX_NAME = 100
+"""Maximum length of the name of a box or a support."""
 
 _MODEL_NAMES = ("world", "panda", "WorldModelInstance", "DefaultModelInstance")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -80,6 +83,9 @@ def check_names(**sections: Iterable[str]) -> None:
         if not _NAME.fullmatch(name):
             rule = "use letters, digits, _ and -, and begin with a letter"
             raise IctampError(Code.BAD_NAME, "{value} is not a valid name", field=field, value=name, advice=rule)
+        if len(name) > MAX_NAME:
+            problem = f"expected names of at most {MAX_NAME} characters, got {{value}}"
+            raise IctampError(Code.BAD_NAME, problem, field=field, value=name)
         if name in _MODEL_NAMES:
             problem = "{value} is a name of the world or the robot"
             raise IctampError(Code.BAD_NAME, problem, field=field, value=name, advice=other)
@@ -94,7 +100,12 @@ def check_names(**sections: Iterable[str]) -> None:
 def _describe_range(low: float, high: float, unit: str, noun: str) -> str:
     finite = "finite " if high == FINITE else ""
     if high < FINITE and low != POSITIVE:
-        return f"{noun} from {low:g} to {high:g}{unit}"
-    least = f"above 0{unit}" if low == POSITIVE else f"of at least {low:g}{unit}"
-    most = f" and at most {high:g}{unit}" if high < FINITE else ""
+        return f"{noun} from {_end(low)} to {_end(high)}{unit}"
+    least = f"above 0{unit}" if low == POSITIVE else f"of at least {_end(low)}{unit}"
+    most = f" and at most {_end(high)}{unit}" if high < FINITE else ""
     return f"{finite}{noun} {least}{most}"
+
+
+def _end(number: float) -> str:
+    """Return an end of a range, exact if it is a whole number."""
+    return show(number if isinstance(number, int) else float(number))

@@ -120,11 +120,11 @@ def _items(hint: Any, raw: list[object] | tuple[object, ...], where: str) -> tup
 
 def _scalar(kind: type, raw: object) -> object:
     """Return a value of the kind; a number may be written as text, and no other conversion is allowed."""
-    if type(raw) is kind:
-        return raw
-    if kind not in _NUMBERS or type(raw) not in (int, float, str):
+    if type(raw) is not kind and (kind not in _NUMBERS or type(raw) not in (int, float, str)):
         raise TypeError
-    value = kind(raw)
+    value = raw if type(raw) is kind else kind(raw)
+    if isinstance(value, int):
+        float(value)  # raises OverflowError for a number with which nothing could be computed
     if kind is int and isinstance(raw, float) and value != raw:
         raise ValueError
     return value

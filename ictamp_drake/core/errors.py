@@ -1,9 +1,11 @@
 """Errors that a user can fix. Everything that goes wrong inside a search is a `Failure`, not an error."""
 
+import math
 import reprlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from itertools import accumulate, takewhile
 from pathlib import Path
 
 
@@ -40,7 +42,6 @@ class Code(StrEnum):
     NOT_HELD = "not-held"
     NOT_AT_REST = "not-at-rest"
     BAD_STATE = "bad-state"
-    GOAL_HOLDS = "goal-holds"
     IMPOSSIBLE_GOAL = "impossible-goal"
     # Runs and learning
     NOT_A_RUN = "not-a-run"
@@ -68,7 +69,9 @@ class Where:
 
     def __str__(self) -> str:
         line = "" if self.line is None else f"line {self.line}"
-        return ": ".join(filter(None, [", ".join(filter(None, [self.file, line])), self.field]))
+        return ": ".join(
+            filter(None, [", ".join(filter(None, [self.file, line])), _shorten(self.field, _LONGEST_FIELD)])
+        )
 
 
 class IctampError(Exception):
@@ -114,9 +117,10 @@ class IctampError(Exception):
 
     def __str__(self) -> str:
         """Return e.g. "scene.yaml, line 7: boxes.red_box.size: expected three numbers, got [1, 2]"."""
-        problem = self.problem.replace("{value}", show(self.value))
-        choices = f"choose from: {', '.join(self.choices)}" if self.choices else ""
-        return ": ".join(filter(None, [str(self.where), "; ".join(filter(None, [problem, choices, self.advice]))]))
+        problem = _shorten(self.problem, _LONGEST).replace("{value}", show(self.value))
+        choices = f"choose from: {_list_choices(self.choices)}" if self.choices else ""
+        sentence = "; ".join(filter(None, [problem, choices, _shorten(self.advice, _LONGEST)]))
+        return _print(": ".join(filter(None, [str(self.where), sentence])))
 
 
 def join_fields(field: str, rest: str) -> str:
@@ -125,6 +129,28 @@ def join_fields(field: str, rest: str) -> str:
 
 
 _LONGEST = 200
+"""Number of characters of a value, and of each other part of a sentence, that are shown."""
+_LONGEST_FIELD = 120
+_MOST_DIGITS = 1000
+"""Number of digits up to which a whole number is written out; Python refuses to write more than 4300."""
+
+
+def _shorten(text: str, limit: int) -> str:
+    return text if len(text) <= limit else f"{text[:limit]}..."
+
+
+def _list_choices(choices: Sequence[str]) -> str:
+    """List as many choices as there is room for, at least one."""
+    shown = [_shorten(choice, _LONGEST_FIELD) for choice in choices]
+    room = _LONGEST - max(map(len, shown[:1]))
+    rest = list(takewhile(lambda end: end <= room, accumulate(len(choice) + 2 for choice in shown[1:])))
+    left = len(shown) - 1 - len(rest)
+    return ", ".join(shown[: 1 + len(rest)]) + (f", ... ({left} more)" if left else "")
+
+
+def _print(text: str) -> str:
+    """Return the text on one line, with spaces for characters that cannot be printed, such as those of terminals."""
+    return "".join(character if character.isprintable() else " " for character in text)
 
 
 class _Shown(reprlib.Repr):
@@ -137,10 +163,14 @@ class _Shown(reprlib.Repr):
     def repr_float(self, number: float, _: int) -> str:
         return f"{number:g}"
 
+    def repr_int(self, number: int, level: int) -> str:
+        digits = int(number.bit_length() * math.log10(2)) + 1
+        return super().repr_int(number, level) if digits <= _MOST_DIGITS else f"a number of {digits} digits"
+
 
 def show(value: object) -> str:
     """Return the value as messages quote it: on one line, abbreviated if it is long."""
     if isinstance(value, Path):
         value = str(value)
     text = _Shown().repr(list(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else value)
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    return _shorten(text, _LONGEST)

@@ -25,6 +25,9 @@ class Failure(Enum):
         return _ADVICE[self]
 
 
+Cause = Failure | str
+"""Cause of a failed attempt; text in records of other versions, which may have other causes."""
+
 _ADVICE = {
     Failure.NO_INVERSE_KINEMATICS: "move the object or its receptacle to where the arm can reach it from above",
     Failure.GOAL_IN_COLLISION: "leave more room around the object, or around the place where it is to stand",

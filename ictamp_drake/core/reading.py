@@ -18,7 +18,12 @@ MAX_NODES = 2_000_000
 """Maximum number of mappings, lists and scalars in a YAML document with expanded aliases."""
 MAX_DEPTH = 60
 """Maximum nesting depth of a YAML document, low enough for functions that recurse once per level."""
+MAX_DIGITS = 1000
+"""Maximum number of characters of a number; the time for a number with colons (base 60) grows with its square."""
+MAX_EXPLAINED = 2**16
+"""Maximum length of a text that PyYAML reads for its better messages; it is ten times slower than libyaml."""
 
+_NUMBER_TAGS = frozenset({"tag:yaml.org,2002:int", "tag:yaml.org,2002:float"})
 _TOO_DEEP = f"expected values nested at most {MAX_DEPTH} deep"
 
 
@@ -32,9 +37,12 @@ class _Strict:
         return node
 
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        if isinstance(node, yaml.ScalarNode) and node.tag in _NUMBER_TAGS and len(node.value) > MAX_DIGITS:
+            problem = f"expected numbers of at most {MAX_DIGITS} digits, got {{value}}"
+            raise IctampError(Code.TOO_LARGE, problem, line=_line(node), value=node.value)
         try:
             return super().construct_object(node, deep)  # type: ignore[misc]
-        except (AttributeError, LookupError, ValueError) as error:
+        except (ArithmeticError, AttributeError, LookupError, ValueError) as error:
             kind = {"int": "whole number", "bool": "truth value"}.get(tag := node.tag.rpartition(":")[2], tag)
             problem = f"not valid YAML: {{value}} is not a {kind}"
             raise IctampError(Code.NOT_YAML, problem, line=_line(node), value=node.value) from error
@@ -80,32 +88,36 @@ def read_bytes(path: Path | str, limit: int | None = None) -> bytes:
     except OSError as error:
         raise IctampError(Code.NOT_READABLE, f"cannot be read: {error.strerror}", file=path) from error
     if len(content) > limit:
-        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {limit >> 20} MiB", file=path)
+        raise IctampError(Code.TOO_LARGE, f"expected a file of at most {limit / 2**20:g} MiB", file=path)
     return content
 
 
-def read_text(path: Path | str) -> str:
+def read_text(path: Path | str, limit: int | None = None) -> str:
     """Read the text of a file.
 
     Raises:
-        IctampError: The file cannot be read, is too large or is not UTF-8.
+        IctampError: The file cannot be read, is not UTF-8, or is larger than `limit` bytes, by default `MAX_BYTES`.
     """
     try:
-        return read_bytes(path).decode("utf-8")
+        return read_bytes(path, limit).decode("utf-8")
     except UnicodeDecodeError as error:
         raise IctampError(Code.NOT_TEXT, "not a text file in UTF-8", file=path) from error
 
 
-def parse(text: str) -> object:
+def parse(text: str, limit: int | None = None) -> object:
     """Parse a YAML document into plain mappings, lists and scalars.
 
     Raises:
-        IctampError: A syntax error, an impossible value, a repeated key, or a document that is too large or too deep.
+        IctampError: A syntax error, an impossible value, a repeated key, or a document that is too deep or has more
+            than `limit` values, by default `MAX_NODES`.
     """
+    limit = limit or MAX_NODES
     try:
+        if len(text) > MAX_EXPLAINED:
+            return _load(text, _Loader, limit)
         with suppress(yaml.YAMLError):  # what libyaml refuses is read again, for the sake of the message
-            return _load(text, _Loader)
-        return _load(text, _PythonLoader)
+            return _load(text, _Loader, limit)
+        return _load(text, _PythonLoader, limit)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else None
         raise IctampError(Code.NOT_YAML, f"not valid YAML: {error.problem}", line=line) from error
@@ -141,12 +153,12 @@ def in_file(path: Path | str) -> Iterator[None]:
         raise
 
 
-def _load(text: str, loader: type[_Loader | _PythonLoader]) -> object:
-    _check_limits(text, loader)
+def _load(text: str, loader: type[_Loader | _PythonLoader], limit: int) -> object:
+    _check_limits(text, loader, limit)
     return yaml.load(text, Loader=loader)
 
 
-def _check_limits(text: str, loader: type[_Loader | _PythonLoader]) -> None:
+def _check_limits(text: str, loader: type[_Loader | _PythonLoader], limit: int) -> None:
     """Raise IctampError when a YAML document is nested too deep or, with its aliases written out, too large."""
     measures: dict[str, tuple[int, int]] = {}  # size and height of what has an anchor
     unfinished: list[tuple[str | None, int, int]] = [(None, 0, 0)]  # of each collection anchor, size and height
@@ -168,8 +180,8 @@ def _check_limits(text: str, loader: type[_Loader | _PythonLoader]) -> None:
         unfinished[-1] = anchor, size_around + size, max(height_around, height + 1)
         if len(unfinished) + height > MAX_DEPTH:
             raise IctampError(Code.TOO_DEEP, _TOO_DEEP, line=line)
-        if sum(size for _, size, _ in unfinished) > MAX_NODES:
-            raise IctampError(Code.TOO_LARGE, f"expected at most {MAX_NODES} values, aliases written out", line=line)
+        if sum(size for _, size, _ in unfinished) > limit:
+            raise IctampError(Code.TOO_LARGE, f"expected at most {limit} values, aliases written out", line=line)
 
 
 def _find_line(path: Path, field: str) -> int | None:

@@ -12,6 +12,7 @@ class Stream(IntEnum):
     DATA = 1
     TRAINING = 2
     SCENES = 3
+    NOISE = 4
 
 
 def generator(stream: Stream, *seed: int) -> np.random.Generator:

@@ -8,16 +8,18 @@ scenes and seeds.
 """
 
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import tyro
+from rich.console import Console
+from rich.progress import track
 
 import ictamp_drake as ict
 from ictamp_drake.core.checks import check_choice, check_count, check_different, check_range
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.jobs import Job, Problem
@@ -36,7 +38,8 @@ class Runner:
         strategies: Names of strategies, or NAME="OPTIONS" with options of the packing program.
         levels: Levels of the problems. By default those of the paper, or none if `scenes` is given.
         problems: Number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
-        scenes: YAML files of your own scenes.
+        scenes: YAML files of your own scenes. All are checked before the first is solved.
+        skip_bad_scenes: Leave out the scenes that are not valid, and say which. By default nothing is solved then.
         seeds: Random seeds of the search.
         conduct: Options of the run.
     """
@@ -46,6 +49,7 @@ class Runner:
     levels: Annotated[tuple[str, ...], describe_choices(LEVELS)] = ()
     problems: str = ":"
     scenes: tuple[Path, ...] = ()
+    skip_bad_scenes: bool = False
     seeds: tuple[int, ...] = (0,)
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct(artefacts="none")
 
@@ -62,11 +66,11 @@ def work(options: Runner) -> Work:
     """Return every problem with every strategy and seed as the work of a run.
 
     Raises:
-        IctampError: A level, problem or strategy does not exist, a scene or its goal is invalid, or two scenes have the
-            same name.
+        IctampError: A level, problem or strategy does not exist, scenes or their goals are invalid, or two scenes have
+            the same name. The notes of the error name the other invalid scenes.
     """
     by_strategy = methods(options.regime, options.strategies, options.seeds)
-    scenes = _scenes(options.scenes, next(iter(by_strategy.values()))[0])
+    scenes = _scenes(options, next(iter(by_strategy.values()))[0])
     jobs = [
         Job(problem, method, strategy)
         for problem in [*_of_levels(options), *scenes]
@@ -92,17 +96,39 @@ def _names(level: str, selection: str) -> dict[str, Path]:
     return {f"{level}-{path.stem}": path for path in problem_files(level, selection)}
 
 
-def _scenes(paths: Sequence[Path], method: Method) -> list[Problem]:
+def _scenes(options: Runner, method: Method) -> list[Problem]:
     """Load the user's own scenes. Each must be ready for planning, with a name that no problem of a level has."""
     files = {name: path for level in LEVELS for name, path in _names(level, ":").items()}
     scenes: list[Problem] = []
-    for path in paths:
-        if path.stem in files:
-            problem = f"the name of {{value}} is taken by {files[path.stem]}"
-            raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
-        files[path.stem] = path
-        scenes.append(Problem(path.stem, ict.load(path, method).spec))
+    bad: list[IctampError] = []
+    console = Console(stderr=True)
+    told = console.is_terminal and bool(options.scenes)
+    for path in track(options.scenes, "Checking the scenes", console=console, transient=True, disable=not told):
+        try:
+            scenes.append(_scene(path, files, method))
+        except IctampError as error:
+            bad.append(error)
+    if bad and (not options.skip_bad_scenes or not scenes):
+        for other in bad[1:]:
+            bad[0].add_note(str(other))
+        if not options.skip_bad_scenes and len(options.scenes) > 1:
+            count = f"{len(bad)} of {len(options.scenes)} scenes"
+            bad[0].add_note(f"{count} are not valid; --skip-bad-scenes leaves them out")
+        raise bad[0]
+    for refused in bad:
+        print(f"left out: {refused}", file=sys.stderr)
     return scenes
+
+
+def _scene(path: Path, files: dict[str, Path], method: Method) -> Problem:
+    """Load a scene, and add its name to `files`, which has the names that are taken."""
+    if path.stem in files:
+        problem = f"the name of {{value}} is taken by {files[path.stem]}"
+        raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
+    with in_file(path):
+        found = Problem(path.stem, ict.load(path, method).spec)
+    files[path.stem] = path
+    return found
 
 
 def _drop_seed(options: dict[str, object]) -> dict[str, object]:

@@ -13,6 +13,7 @@ from ictamp_drake.core.spelling import respell, respell_option
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.q_value import QValueConfig
 from ictamp_drake.planning.els import ElsConfig
+from ictamp_drake.runs.jobs import check_folder_name
 from ictamp_drake.skills.config import PolicyConfig, SkillsConfig
 from ictamp_drake.tamp.method import Estimators, Method, Planners, Samplers
 
@@ -113,11 +114,16 @@ def _parse_strategy(strategy: str, shared: Method) -> tuple[str, Method]:
             choices=STRATEGIES,
             advice='or give options with a name of letters, digits, _, ., + and -, e.g. "mine=--planner els"',
         )
+    check_folder_name("strategies", name)
     try:
-        return name, tyro.cli(Method, args=[respell_option(each) for each in shlex.split(options)], default=shared)
+        arguments = [respell_option(each) for each in shlex.split(options)]
     except ValueError as error:
         problem = f"cannot read the options of {{value}}: {error}"
         raise IctampError(Code.NOT_READABLE, problem, field="strategies", value=strategy) from error
+    if any(each.partition("=")[0] == "--seed" for each in arguments):
+        problem, advice = "expected options without --seed, got {value}", "give --seeds, which all strategies share"
+        raise IctampError(Code.CONFLICT, problem, field="strategies", value=strategy, advice=advice)
+    return name, tyro.cli(Method, args=arguments, default=shared)
 
 
 def _combine(shared: Method, strategy: Method) -> Method:

@@ -11,9 +11,10 @@ import pyarrow.dataset as pads
 from numpy.typing import NDArray
 
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.spelling import spellings
 from ictamp_drake.core.types import Action, Configuration, FloatArray
-from ictamp_drake.learning.dataset import action, configuration, open_table
+from ictamp_drake.learning.dataset import action, check_objects, configuration, read_rows
 
 _CASE = ("scene", "state", "action", "box", "place")
 _START = ("spec", "q", "poses", "held", "gripper")
@@ -80,7 +81,8 @@ def read_cases(folder: Path, skill: str, least: int, sampler: str | None = None)
         IctampError: There are no attempts, too few of them, or all have the same outcome or are in one scene.
     """
     groups = _group_rows(folder, skill, sampler)
-    cases = [_case(rows[:least]) for _, rows in sorted(groups.items()) if len(rows) >= least]
+    with in_file(folder):
+        cases = [_case(rows[:least]) for _, rows in sorted(groups.items()) if len(rows) >= least]
     if not cases:
         most = max(map(len, groups.values()), default=0)
         problem = f"expected {least} attempts to {skill} from the same c, got at most {{value}}"
@@ -95,14 +97,15 @@ def _group_rows(folder: Path, skill: str, sampler: str | None) -> dict[tuple[Any
     wanted = pads.field("action").cast(pa.string()) == skill
     if sampler is not None:
         wanted &= pads.field("sampler").cast(pa.string()).isin(spellings(sampler))
-    table = open_table(folder).to_table(columns=[*_CASE, *_START, "draw", "failure"], filter=wanted)
+    table = read_rows(folder, [*_CASE, *_START, "draw", "failure"], wanted)
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
-    for row in table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]).to_pylist():
+    for row in table.to_pylist():
         groups.setdefault(tuple(row[name] for name in _CASE), []).append(row)
     return groups
 
 
 def _case(rows: Sequence[dict[str, Any]]) -> Case:
+    check_objects(rows[0])
     first, outcomes = rows[0], np.array([row["failure"] is None for row in rows])
     return Case(first["scene"], first["state"], first["spec"], configuration(first), action(first), outcomes)
 

@@ -90,6 +90,7 @@ def load(folder: Path, kind: Kind, skill: str) -> Checkpoint:
     with in_file(path):
         found = decode(_Metadata, metadata)
         _check_metadata(found, kind, skill)
+        _check_arrays(arrays)
     return Checkpoint(kind, skill, arrays, found.network, found.provenance, found.metrics)
 
 
@@ -121,6 +122,13 @@ def _check_metadata(found: _Metadata, kind: Kind, skill: str) -> None:
             version = theirs.get("version")
             advice = "train it again"
             raise IctampError(Code.OTHER_VERSION, problem, field=f"{field}.version", value=version, advice=advice)
+
+
+def _check_arrays(arrays: Arrays) -> None:
+    """Raise IctampError unless all weights are finite numbers."""
+    for name, array in arrays.items():
+        if not np.isfinite(array).all():
+            raise IctampError(Code.DAMAGED, "expected finite numbers, got nan or infinity", field=name)
 
 
 def check_all(folder: Path, kind: Kind) -> None:

@@ -5,7 +5,8 @@ itself and the text of its scene, not the state matrix, so a new schema of the m
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from itertools import groupby
@@ -19,10 +20,11 @@ import pyarrow.dataset as pads
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import whole
-from ictamp_drake.core.reading import parse_json
+from ictamp_drake.core.reading import in_file, parse_json
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
@@ -59,6 +61,12 @@ FIELDS = pa.schema(
     ]
 )
 """The columns of the files."""
+
+ORDER = ("scene", "state", "draw")
+"""Columns that number the rows."""
+
+_OPTIONAL = frozenset({"k", "failure", "held", "moved"})
+"""Columns that may be null."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,9 +127,19 @@ def write(rows: Sequence[AttemptRow], path: Path) -> None:
 
 
 def merge(paths: Sequence[Path], target: Path) -> None:
-    """Merge the rows of several files into one file, in order of scene, state and draw."""
-    table = pa.concat_tables([pq.read_table(path, schema=FIELDS) for path in paths]).unify_dictionaries()
-    _write(table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")]), target)
+    """Merge the rows of several files into one file, in order of scene, state and draw.
+
+    Raises:
+        IctampError: A file is damaged or has other columns.
+    """
+    table = pa.concat_tables([_read(path) for path in paths]).unify_dictionaries()
+    _write(table.sort_by([(name, "ascending") for name in ORDER]), target)
+
+
+def _read(path: Path) -> pa.Table:
+    _check_columns(path)
+    with reading(path):
+        return pq.read_table(path, schema=FIELDS)
 
 
 def _write(table: pa.Table, path: Path) -> None:
@@ -139,16 +157,62 @@ def _write(table: pa.Table, path: Path) -> None:
 
 
 def open_table(folder: Path) -> pads.Dataset:
-    """Open the table of a folder without reading it; pyarrow can then select columns and rows.
+    """Open the table of a folder without reading its rows; pyarrow can then select columns and rows, see `reading`.
 
     Raises:
-        IctampError: There are no recorded attempts in the folder.
+        IctampError: There are no recorded attempts in the folder, or a file is damaged or has other columns.
     """
     paths = sorted(path for path in folder.glob("*.parquet") if not path.name.startswith("."))
     if not paths:
         advice = "collect some with ictamp_drake.experiments.collect"
         raise IctampError(Code.NOT_FOUND, "no recorded attempts (*.parquet)", file=folder, advice=advice)
+    for path in paths:
+        _check_columns(path)
     return pads.dataset(paths, schema=FIELDS, format="parquet")
+
+
+def _check_columns(path: Path) -> None:
+    with reading(path):
+        found = pq.read_schema(path)
+    for field in FIELDS:
+        if field.name not in found.names:
+            raise IctampError(Code.MISSING_FIELD, "missing column", field=field.name, file=path)
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn the errors of pyarrow, while it reads a file or a folder, into one sentence.
+
+    Raises:
+        IctampError: A file is damaged, is not a Parquet file or has columns of other types.
+    """
+    try:
+        yield
+    except (pa.ArrowException, OSError) as error:
+        problem = f"cannot be read as Parquet: {str(error).partition(chr(10))[0]}"
+        raise IctampError(Code.DAMAGED, problem, file=path) from error
+
+
+def read_rows(folder: Path, columns: Sequence[str], where: pads.Expression | None = None) -> pa.Table:
+    """Read columns of the table of a folder, in order of scene, state and draw if it has these columns.
+
+    Raises:
+        IctampError: There are no recorded attempts in the folder, or a file is damaged or has other columns.
+    """
+    with reading(folder):
+        table = open_table(folder).to_table(columns=list(columns), filter=where)
+        order = [(name, "ascending") for name in ORDER]
+        table = table.sort_by(order) if {*ORDER} <= {*columns} else table
+    with in_file(folder):
+        _check_complete(table)
+    return table
+
+
+def _check_complete(table: pa.Table | pa.RecordBatch) -> None:
+    """Raise IctampError when a value is missing that every row must have."""
+    for name in set(table.schema.names) - _OPTIONAL:
+        if table[name].null_count:
+            raise IctampError(Code.MISSING_FIELD, "missing value", field=name)
 
 
 def scene_text(spec: SceneSpec) -> str:
@@ -164,8 +228,11 @@ def scene(text: str) -> SceneSpec:
 
 def configuration(row: Mapping[str, Any]) -> Configuration:
     """c of a row, as exact as its 32-bit numbers."""
-    poses = np.reshape(row["poses"], (-1, 7)).astype(np.float64)
     names = sorted(scene(row["spec"]).boxes)
+    if len(row["poses"]) != 7 * len(names):
+        problem = f"expected {7 * len(names)} numbers, got {{value}}"
+        raise IctampError(Code.WRONG_LENGTH, problem, field="poses", value=row["poses"])
+    poses = np.reshape(row["poses"], (-1, 7)).astype(np.float64)
     width, force = row["gripper"]
     return Configuration(row["q"], dict(zip(names, poses, strict=True)), row["held"], GripperCommand(width, force))
 
@@ -222,12 +289,14 @@ def load(folder: Path, skill: str | None = None) -> Attempts:
         skill: Skill, pick or place; both by default.
 
     Raises:
-        IctampError: There are no recorded attempts in the folder.
+        IctampError: There are no recorded attempts in the folder, a file is damaged or has other columns, or a row
+            lacks a value or does not fit its scene.
     """
     wanted = pads.field("k").is_valid()
     if skill is not None:
         wanted &= pads.field("action").cast(pa.string()) == skill
-    parts = [_attempts(batch) for batch in open_table(folder).to_batches(filter=wanted) if batch.num_rows]
+    with reading(folder), in_file(folder):
+        parts = [_attempts(batch) for batch in open_table(folder).to_batches(filter=wanted) if batch.num_rows]
     if not parts:
         return _attempts(pa.RecordBatch.from_pylist([], schema=FIELDS))
     joined = {field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Attempts)}
@@ -235,11 +304,16 @@ def load(folder: Path, skill: str | None = None) -> Attempts:
 
 
 def _attempts(batch: pa.RecordBatch) -> Attempts:
+    _check_complete(batch)
     observation, moved = _observe(batch)
+    k = batch["k"].flatten().to_numpy(zero_copy_only=False).reshape(-1, 4)
+    for field, numbers in (("q", observation.matrix), ("k", k)):
+        if not np.isfinite(numbers).all():
+            raise IctampError(Code.DAMAGED, "expected finite numbers, got nan or infinity", field=field)
     failure = batch["failure"].cast(pa.string())
     return Attempts(
         *observation,
-        k=batch["k"].flatten().to_numpy(zero_copy_only=False).reshape(-1, 4),
+        k=k,
         success=failure.is_null().to_numpy(zero_copy_only=False),
         moved=moved,
         executed=batch["executed"].to_numpy(zero_copy_only=False),
@@ -268,9 +342,21 @@ def _observe(batch: pa.RecordBatch) -> tuple[Observation, NDArray[np.float32]]:
 
 def _observe_scene(rows: Sequence[Mapping[str, Any]]) -> tuple[NDArray[Any], ...]:
     """Compute the matrices, masks and new box poses of the rows of one scene."""
+    for row in rows:
+        check_objects(row)
     watching, options = observer(rows[0]["spec"]), [(configuration(row), action(row)) for row in rows]
     X_WO = np.array([row["moved"] or [np.nan] * 7 for row in rows])
     return *watching.observe_all(options), watching.measure_moved_box(options, X_WO).astype(np.float32)
+
+
+def check_objects(row: Mapping[str, Any]) -> None:
+    """Raise IctampError unless the objects of a row are in its scene."""
+    spec = scene(row["spec"])
+    check_choice("action", row["action"], ("pick", "place"))
+    check_choice("box", row["box"], spec.boxes)
+    check_choice("place", row["place"], (*spec.supports, *spec.boxes))
+    if row["held"] is not None:
+        check_choice("held", row["held"], spec.boxes)
 
 
 @lru_cache(maxsize=256)
@@ -283,6 +369,5 @@ def fingerprint(folder: Path) -> str:
     """Short hash of the attempts in a folder, independent of how they are split into files."""
     import hashlib  # noqa: PLC0415
 
-    table = open_table(folder).to_table(columns=["scene", "state", "draw", "executed", "failure", "k"])
-    table = table.sort_by([(name, "ascending") for name in ("scene", "state", "draw")])
+    table = read_rows(folder, [*ORDER, "executed", "failure", "k"])
     return hashlib.sha256(json.dumps(table.to_pylist()).encode()).hexdigest()[:16]

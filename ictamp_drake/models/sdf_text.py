@@ -11,6 +11,9 @@ DRAKE_NAMESPACE = "http://drake.mit.edu"
 
 Color = tuple[float, float, float]
 
+_TINY = 1e-30
+"""Magnitude up to which a number is 0; the parser refuses numbers that are too small for 32 bits."""
+
 
 class Shape(NamedTuple):
     """A primitive in its link's frame.
@@ -31,8 +34,8 @@ class Shape(NamedTuple):
 
 
 def numbers(values: Iterable[float]) -> str:
-    """The values with twelve digits, separated by spaces; -0 is written as 0."""
-    return " ".join(f"{value + 0.0:.12g}" for value in values)
+    """The values with twelve digits, separated by spaces; -0 and what is close to 0 are written as 0."""
+    return " ".join(f"{value if abs(value) > _TINY else 0.0:.12g}" for value in values)
 
 
 def pose(xyz: Sequence[float], rpy: Sequence[float] = (0.0, 0.0, 0.0), relative_to: str = "") -> str:

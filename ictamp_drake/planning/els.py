@@ -138,7 +138,15 @@ class Els(Generic[C]):
 
     def _level(self, branch: _Branch, number: int) -> float:
         siblings = (number + 1) / branch.P - 1
-        return float(branch.level + (siblings / self._config.w0) ** self._config.p_w)
+        return branch.level + _power(siblings / self._config.w0, self._config.p_w)
 
     def _effort(self, spent: float) -> float:
-        return float((spent / self._config.c0) ** self._config.p_c)
+        return _power(spent / self._config.c0, self._config.p_c)
+
+
+def _power(base: float, exponent: float) -> float:
+    """Return a power of a number of at least 0, infinity if it is too large."""
+    try:
+        return float(base**exponent)
+    except OverflowError:
+        return inf

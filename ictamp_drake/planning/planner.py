@@ -32,15 +32,18 @@ class Budget:
 
     Attributes:
         seconds: Limit of the computing time, everything included [s].
+        cpu_seconds: Limit of the processor time, on the planner's `cpu_clock` [s]; None for no limit.
         steps: Limit of the low-level steps; None for no limit.
     """
 
     seconds: float = 60.0
     steps: int | None = None
+    cpu_seconds: float | None = None
 
     def __post_init__(self) -> None:
         check_range("budget.seconds", self.seconds, 0, inf, " s")
         check_range("budget.steps", self.steps or 0, 0, inf)
+        check_range("budget.cpu-seconds", self.cpu_seconds or 0, 0, inf, " s")
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ class PlannerConfig:
             listeners: Functions called with every event.
             stop: Function called before every computational action; True ends the search as Ctrl-C does.
             clock: Clock of the budget, in seconds from any origin.
-            cpu_clock: Clock of the stage times, in seconds of processor time from any origin.
+            cpu_clock: Clock of the stage times and of the limit of the processor time, in seconds from any origin.
         """
         tree = Tree(c, s)  # Algorithm 1, line 1
         rule = self.rule.create(RuleContext(estimator))
@@ -126,9 +129,10 @@ class Planner(Generic[C]):
 
     def run(self) -> PlanningResult[C]:
         """Search until a plan is verified, no option is left or the budget is spent; Ctrl-C ends the search cleanly."""
+        budget, limit = self.config.budget, self.config.budget.cpu_seconds
         start, cpu_start = self.clock(), self.cpu_clock()
         try:
-            reason = self._search(deadline=start + self.config.budget.seconds)
+            reason = self._search(start + budget.seconds, None if limit is None else cpu_start + limit)
         except KeyboardInterrupt:
             reason = StopReason.STOPPED
         candidate = self._finished[-1] if self._finished else None
@@ -136,9 +140,9 @@ class Planner(Generic[C]):
         geometric = None if self._geometric_at is None else self._geometric_at - cpu_start
         return PlanningResult(self.tree, reason, seconds, self._seconds_by_stage(), candidate, geometric)
 
-    def _search(self, deadline: float) -> StopReason:
+    def _search(self, deadline: float, cpu_deadline: float | None) -> StopReason:
         self.tree.exhausted = self.generator.exhausted
-        while (reason := self._reason_to_stop(deadline)) is None:
+        while (reason := self._reason_to_stop(deadline, cpu_deadline)) is None:
             with self._stopwatch.stage("selection"):
                 option = self.rule.choose(self.tree, self.rng)
             reached = self._open_plan(option) if isinstance(option, OpenPlan) else self._run_step(option)
@@ -151,7 +155,7 @@ class Planner(Generic[C]):
                 return StopReason.SOLVED
         return reason
 
-    def _reason_to_stop(self, deadline: float) -> StopReason | None:
+    def _reason_to_stop(self, deadline: float, cpu_deadline: float | None) -> StopReason | None:
         budget = self.config.budget
         if self.tree.exhausted and not self.tree.open_plans:
             return StopReason.UNREACHABLE
@@ -159,6 +163,8 @@ class Planner(Generic[C]):
             return StopReason.STOPPED
         if self.clock() >= deadline:
             return StopReason.OUT_OF_TIME
+        if cpu_deadline is not None and self.cpu_clock() >= cpu_deadline:
+            return StopReason.OUT_OF_CPU_TIME
         if budget.steps is not None and len(self.tree.steps) >= budget.steps:
             return StopReason.OUT_OF_STEPS
         return None

@@ -17,6 +17,7 @@ class StopReason(Enum):
     SOLVED = "a plan was found and verified"
     UNREACHABLE = "no high-level plan reaches the goal"
     OUT_OF_TIME = "the time limit was reached"
+    OUT_OF_CPU_TIME = "the limit of the processor time was reached"
     OUT_OF_STEPS = "the limit of low-level steps was reached"
     STOPPED = "the search was stopped from outside"
 

@@ -100,7 +100,7 @@ def _sum_failures(failures: Iterable[dict[str, int]]) -> Counter[str]:
 
 
 def _sentence(cause: str) -> str:
-    return str(Failure[cause]) if cause in Failure.__members__ else cause
+    return str(Failure.__members__.get(cause, cause))
 
 
 def _share(count: int, steps: int) -> str:

@@ -71,9 +71,10 @@ class Board:
 
     def start(self, slot: int) -> None:
         """Mark the start of the work on a problem."""
-        self._slots[slot].started = time.monotonic()
+        here = self._slots[slot]
+        here.started, here.plans, here.steps = time.monotonic(), 0, 0
         self._say(slot, "loading the scene")
-        self._slots[slot].running = True
+        here.running = True
 
     def finish(self, slot: int) -> None:
         """Mark the end of the work on a problem."""

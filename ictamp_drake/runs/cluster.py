@@ -1,7 +1,9 @@
 """Tasks on a Ray cluster. If a node dies, its tasks run again on another node. Each result arrives once."""
 
 import logging
+import os
 import socket
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager
@@ -43,11 +45,30 @@ def connect_cluster(address: str | None, start: Callable[..., None], *arguments:
         IctampError: There is no cluster at the address.
     """
     _knock(address)
-    ray.init(address=address, log_to_driver=False, logging_level=logging.ERROR)
+    _join_or_start(address)
     try:
         yield Cluster((start, arguments))
     finally:
         ray.shutdown()
+
+
+def _join_or_start(address: str | None) -> None:
+    """Connect to the cluster at the address or, by default, at RAY_ADDRESS or on this machine; else start one here."""
+    quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
+    try:
+        ray.init(address=address or "auto", **quiet)
+    except ConnectionError:
+        if address or os.environ.get("RAY_ADDRESS"):
+            raise
+        print(OPEN_PORTS, file=sys.stderr)
+        ray.init(address="local", include_dashboard=False, **quiet)
+
+
+OPEN_PORTS = (
+    "No Ray cluster runs here, so one is started. Its ports listen on all network interfaces of this machine, and only "
+    "Ray's token (~/.ray/auth_token) keeps others from running code here; --engine local opens no port."
+)
+"""Warning before a cluster is started."""
 
 
 def _knock(address: str | None) -> None:

@@ -1,5 +1,6 @@
 """Common frame of all programs, from the command line to the exit code."""
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -12,8 +13,11 @@ from ictamp_drake.core.spelling import respell_option
 
 T = TypeVar("T")
 
-COMPLETE, BROKEN, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit codes: all problems finished, solved or not; some broke down; invalid input; Ctrl-C."""
+COMPLETE, UNSOLVED, BROKEN, BAD_INPUT, INTERRUPTED = 0, 1, 1, 2, 130
+"""Exit codes: success; a single problem was not solved; some of several problems broke down; invalid input; Ctrl-C.
+
+A single problem succeeds when it is solved, and several when each has a sound record, solved or not.
+"""
 
 
 def command(
@@ -39,8 +43,11 @@ def command(
     try:
         return act(tyro.cli(options, prog=prog, args=given, config=config), console)
     except IctampError as error:
-        print(error, file=sys.stderr)
+        print(error, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print(interrupted, file=sys.stderr)
         return INTERRUPTED
+    except BrokenPipeError:  # nobody reads on, as in `... --help | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python still flushes at its end
+        return BROKEN

@@ -20,7 +20,7 @@ import yaml
 
 from ictamp_drake.core.decoding import mapping
 from ictamp_drake.core.errors import Code, IctampError, show
-from ictamp_drake.core.files import make_folder, write_whole
+from ictamp_drake.core.files import make_folder, not_writable, shorten_path, write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.spelling import TODAY, respell_options
 from ictamp_drake.runs.conduct import Conduct
@@ -32,6 +32,7 @@ RUNS = Path("runs")
 
 CONFIG = "config.yaml"
 RESULTS = "results.jsonl"
+INDEX = "index.html"
 
 WIDENED = ("strategies", "scenes")
 """Of the configuration, what may get more entries when the run is continued."""
@@ -62,17 +63,19 @@ def open_run_folder(name: str, work: Mapping[str, Any], conduct: Conduct) -> Ite
     now = datetime.now().astimezone().isoformat(timespec="seconds")
     session = {"started": now, "conduct": _to_plain(dataclasses.asdict(conduct)), **provenance()}
     fixed = _to_plain(work)
-    path = _path(name, conduct)
-    before = _read_previous_config(path)
+    with _usable(conduct.out or RUNS):
+        path = _path(name, conduct)
+        before = _read_previous_config(path)
     if before:
         check_same(path, before, fixed)
     fixed |= {key: before.get(key, {}) | fixed.get(key, {}) for key in WIDENED if key in fixed}
     make_folder(path)
     with lock_folder(path):
-        drop_torn_line(path / RESULTS)
-        for older, today in TODAY.items():
-            if (path / older).is_dir() and not (path / today).exists():
-                (path / older).rename(path / today)  # what a strategy left
+        with _usable(path / RESULTS):
+            drop_torn_line(path / RESULTS)
+            for older, today in TODAY.items():
+                if (path / older).is_dir() and not (path / today).exists():
+                    (path / older).rename(path / today)  # what a strategy left
         sessions = [*before.get("sessions", []), session]
         write_whole(
             path / CONFIG,
@@ -81,10 +84,19 @@ def open_run_folder(name: str, work: Mapping[str, Any], conduct: Conduct) -> Ite
         yield path
 
 
+@contextmanager
+def _usable(path: Path) -> Iterator[None]:
+    """Raise IctampError when the system refuses a path in the block, e.g. one that is too long."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise not_writable(path, error, "cannot be used") from error
+
+
 def _path(name: str, conduct: Conduct) -> Path:
     if conduct.out is not None:
         if conduct.resume and not (conduct.out / CONFIG).exists():
-            raise IctampError(Code.NO_RUN, "no run to resume", file=conduct.out, advice=_START)
+            raise IctampError(Code.NO_RUN, "no run to resume", file=shorten_path(conduct.out), advice=_START)
         return conduct.out
     if conduct.resume:
         runs = sorted(RUNS.glob(f"{glob.escape(name)}-{_TIME}/{CONFIG}"), key=lambda path: path.stat().st_mtime)
@@ -159,9 +171,11 @@ def lock_folder(path: Path) -> Iterator[None]:
     """This process alone works in the folder, until it ends, however it ends.
 
     Raises:
-        IctampError: Another process works in the folder.
+        IctampError: Another process works in the folder, or the folder cannot be locked.
     """
-    with (path / ".lock").open("w") as lock:
+    with _usable(path / ".lock"):
+        lock = (path / ".lock").open("w")
+    with lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:

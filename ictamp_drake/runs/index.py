@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from ictamp_drake.runs.folder import RESULTS
+from ictamp_drake.runs.folder import INDEX, RESULTS
 from ictamp_drake.runs.records import OWN, Record, read_records
 from ictamp_drake.viz.index_page import Entry, index_html
-
-INDEX = "index.html"
 
 EVERY = 5.0
 """Minimum time between two updates of the page during a run [s]."""

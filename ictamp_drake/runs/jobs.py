@@ -1,15 +1,43 @@
-"""Problems and jobs of a run. This module does not import Drake, so that programs show their help without delay."""
+"""Problems and jobs of a run, and their results.
 
+This module does not import Drake, so that programs show their help without delay.
+"""
+
+import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.runs.folder import CONFIG, INDEX, RESULTS
 from ictamp_drake.runs.records import Record, run_name
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.method import Method
 
 if TYPE_CHECKING:
     from ictamp_drake.tamp.task import Task
+
+CRASHED, HUNG = "CRASHED", "HUNG"
+"""Stop reasons of problems whose process could not report one."""
+
+
+LONGEST_NAME = 200
+"""Length of the longest name of a problem or strategy [bytes]; file systems allow 255, and the time may follow."""
+
+
+def check_folder_name(field: str, name: str) -> None:
+    """Raise IctampError unless a folder in that of a run can have the name of a problem or strategy."""
+    problem = ""
+    if name.startswith(".") or not name:
+        problem = "expected a name that does not begin with a dot, got {value}"
+    elif "/" in name or "\0" in name:
+        problem = "expected a name without / and NUL, got {value}"
+    elif name in (CONFIG, RESULTS, INDEX):
+        problem = "{value} is the name of a file of the run"
+    elif len(os.fsencode(name)) > LONGEST_NAME:
+        problem = f"expected a name of at most {LONGEST_NAME} bytes, got {{value}}"
+    if problem:
+        raise IctampError(Code.BAD_NAME, problem, field=field, value=name, advice="rename the file or choose another")
 
 
 @dataclass(frozen=True)
@@ -27,9 +55,7 @@ class Problem:
     level: str | None = None
 
     def __post_init__(self) -> None:
-        if self.name.startswith("."):
-            problem = "expected a name that does not begin with a dot, got {value}"
-            raise IctampError(Code.BAD_NAME, problem, field="name", value=self.name)
+        check_folder_name("name", self.name)
 
 
 @dataclass(frozen=True)
@@ -67,3 +93,24 @@ class Job:
             planning_time_s=round(seconds, 4),
             error=error,
         )
+
+
+class Pages(NamedTuple):
+    """Pages of a problem: file contents by name, and the error if some could not be made."""
+
+    files: dict[str, bytes]
+    error: str | None
+
+
+class Finished(NamedTuple):
+    """Result of a job.
+
+    Attributes:
+        record: Record of the job.
+        files: Contents of the files to keep, by name.
+        pages: Function that makes the remaining files. None when there are none.
+    """
+
+    record: Record
+    files: dict[str, bytes]
+    pages: Callable[[], Pages] | None = None

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from rich.console import Console
 
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, command
+from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, UNSOLVED, command
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.folder import RESULTS, open_run_folder
 from ictamp_drake.runs.index import Index
@@ -36,6 +36,11 @@ class Work:
     about: dict[str, Any]
     jobs: Sequence[Job]
     conduct: Conduct
+
+    @property
+    def single(self) -> bool:
+        """Whether there is one problem to solve, rather than methods to compare on it or problems to sweep over."""
+        return len(self.jobs) == 1 and not self.jobs[0].strategy
 
 
 def main(name: str, options: type[T], work: Callable[[T], Work], arguments: Sequence[str] | None = None) -> int:
@@ -73,9 +78,17 @@ def run(work: Work, console: Console) -> int:
         records = _records(work, folder)
         console.print(format_results(list(records.values())))
         _print_where(console, work, index, records, complete)
+    return _exit_code(work, records, complete)
+
+
+def _exit_code(work: Work, records: Mapping[str, Record], complete: bool) -> int:
     if not complete:
         return INTERRUPTED
-    return BROKEN if any(record.error is not None for record in records.values()) else COMPLETE
+    if any(job.name not in records or records[job.name].error is not None for job in work.jobs):
+        return BROKEN
+    if work.single and not all(record.solved for record in records.values()):
+        return UNSOLVED
+    return COMPLETE
 
 
 def _records(work: Work, folder: Path) -> dict[str, Record]:

@@ -102,7 +102,9 @@ def outcome(record: Record) -> Text:
     """Format one line about a finished problem."""
     effort = f"{format_count(record.high_level_plans, 'plan')}, {format_count(record.low_level_steps, 'step')}"
     after = f"after {record.planning_time_s:.1f} s ({effort})"
-    if record.solved:
+    if record.solved and not record.plan_length:
+        line = Text(f"{record.name}  nothing to do: the goal holds at the start", "green")
+    elif record.solved:
         line = Text(f"{record.name}  solved with {format_count(record.plan_length or 0, 'skill')} {after}", "green")
     elif record.error is None:
         line = Text(f"{record.name}  not solved {after}: {StopReason[record.stop_reason]}", "yellow")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.failures import Cause, Failure
 from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.planning.result import StopReason
@@ -220,8 +220,9 @@ def _to_names(counts: Counter[Failure]) -> dict[str, int]:
     return {failure.name: count for failure, count in counts.most_common()}
 
 
-def _causes(counts: Mapping[str, int]) -> dict[Failure, int]:
-    return {Failure[name]: count for name, count in counts.items()}
+def _causes(counts: Mapping[str, int]) -> dict[Cause, int]:
+    """Return the counts by failure; names that this version does not know stay names."""
+    return {Failure.__members__.get(name, name): count for name, count in counts.items()}
 
 
 def _round_seconds(seconds: float) -> float:

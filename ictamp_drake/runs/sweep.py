@@ -5,17 +5,17 @@ import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import Engine
 from ictamp_drake.runs.folder import RESULTS
-from ictamp_drake.runs.jobs import Job
-from ictamp_drake.runs.pool import CONTEXT
+from ictamp_drake.runs.jobs import CRASHED, HUNG, Finished, Job, Pages
+from ictamp_drake.runs.pool import CONTEXT, WorkerDied
 from ictamp_drake.runs.records import Record, append
-from ictamp_drake.runs.worker import CRASHED, HUNG, Finished, Pages, begin_job, run_job, start_worker
+from ictamp_drake.runs.worker import begin_job, run_job, start_worker
 
 POLL = 0.2
 """Time between two checks of the workers [s]."""
@@ -27,9 +27,9 @@ Watch = Callable[[Board, Sequence[Record]], None]
 def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch, *, alone: bool = False) -> bool:
     """Run all jobs. The files of each job are written first, then its record, and then `watch` is called.
 
-    If the process of a job dies or exceeds the time limit by more than the grace period, the record says so. The first
-    Ctrl-C lets the workers on this machine finish their current step and ends those of a cluster. The second Ctrl-C
-    ends all workers immediately.
+    If the process of a job dies, the job is tried once more. If it dies again, or exceeds the time limit by more than
+    the grace period, the record says so. The first Ctrl-C lets the workers on this machine finish their current step
+    and ends those of a cluster. The second Ctrl-C ends all workers immediately.
 
     Args:
         jobs: Jobs to run.
@@ -61,6 +61,7 @@ class _Sweep:
     board: Board
     watch: Watch
     inline: bool
+    _repeated: set[int] = field(default_factory=set)
 
     @property
     def shared(self) -> bool:
@@ -71,12 +72,24 @@ class _Sweep:
         """Submit all jobs to the engine, wait for them, and report their results."""
         pending = {self._submit(engine, slot): slot for slot in range(len(self.jobs))}
         while pending and (self.shared or not self.board.stopping):
+            if self.board.stopping:  # a job that no worker has begun needs none
+                pending = {future: slot for future, slot in pending.items() if not future.cancel()}
             done = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED).done
-            finished = [self._collect(future, pending.pop(future)) for future in done]
+            slots = {future: pending.pop(future) for future in done}
+            again = {slot for future, slot in slots.items() if self._repeat(future, slot)}
+            pending |= {self._submit(engine, slot): slot for slot in again}
+            finished = [self._collect(future, slot) for future, slot in slots.items() if slot not in again]
             self.watch(self.board, [self._keep(each) for each in finished if each is not None])
             for each in finished:
                 if each is not None and each.pages is not None:
                     self._make_pages(engine, each.record, each.pages)
+
+    def _repeat(self, future: Future[Finished | None], slot: int) -> bool:
+        """Whether the process of a job died for the first time, so that the job is tried once more."""
+        if slot in self._repeated or self.board.stopping or not isinstance(future.exception(), WorkerDied):
+            return False
+        self._repeated.add(slot)
+        return True
 
     def _submit(self, engine: Engine, slot: int) -> Future[Finished | None]:
         job = self.jobs[slot]
@@ -92,20 +105,29 @@ class _Sweep:
             return Finished(self._record_breakdown(slot, error), {})
 
     def _keep(self, finished: Finished) -> Record:
-        """Write the files and the record of a job."""
+        """Write the files and the record of a job. A file that cannot be written does not cost the record."""
         folder = self.folder / finished.record.name
-        shutil.rmtree(folder, ignore_errors=True)
-        _write(finished.files, folder)
-        append(finished.record, self.folder / RESULTS)
-        return finished.record
+        error = finished.record.error
+        try:
+            if folder.exists():
+                shutil.rmtree(folder)
+            _write(finished.files, folder)
+        except OSError as failure:
+            shutil.rmtree(folder, ignore_errors=True)  # a part of the files helps nobody, and needs room
+            error = error or f"its files cannot be written: {failure.strerror}"
+        record = replace(finished.record, error=error)
+        append(record, self.folder / RESULTS)
+        return record
 
     def _make_pages(self, engine: Engine, record: Record, make: Callable[[], Pages]) -> None:
         """Make the pages of a problem whose record is written. If that fails, write another record with the error."""
         try:
             files, error = engine.submit(make, timeout=self.conduct.grace).result()
+            _write(files, self.folder / record.name)
         except TimeoutError:
-            files, error = {}, f"the pages were given up after {self.conduct.grace:g} s"
-        _write(files, self.folder / record.name)
+            error = f"the pages were given up after {self.conduct.grace:g} s"
+        except OSError as failure:
+            error = f"the pages cannot be written: {failure.strerror}"
         if error is not None:
             broken = replace(record, error=error)
             append(broken, self.folder / RESULTS)
@@ -117,10 +139,8 @@ class _Sweep:
         if isinstance(error, TimeoutError):
             seconds = job.method.time_limit + self.conduct.grace
             return job.make_failure_record(HUNG, seconds, f"ended after {seconds:g} s")
-        code = getattr(error, "exitcode", None)
-        return job.make_failure_record(
-            CRASHED, self.board.seconds(slot), f"the process died: {error!r}, exit code {code}"
-        )
+        twice = " for the second time" if slot in self._repeated else ""
+        return job.make_failure_record(CRASHED, self.board.seconds(slot), f"the process died{twice}: {error!r}")
 
 
 def _write(files: Mapping[str, bytes], folder: Path) -> None:

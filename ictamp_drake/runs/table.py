@@ -81,7 +81,7 @@ def _failures(failures: Counter[str], steps: int) -> Table:
     table.add_column(f"failures in {steps} low-level steps")
     table.add_column("", justify="right")
     for name, count in failures.most_common():
-        table.add_row(str(Failure[name]), str(count))
+        table.add_row(str(Failure.__members__.get(name, name)), str(count))
     return table
 
 

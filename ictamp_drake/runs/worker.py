@@ -2,19 +2,19 @@
 
 import gc
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.runs.board import Board
-from ictamp_drake.runs.jobs import Job
+from ictamp_drake.runs.jobs import CRASHED, Finished, Job, Pages
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
-from ictamp_drake.runs.records import Record, record_of
+from ictamp_drake.runs.records import record_of
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.artefacts import Artefacts, write_pages, write_result
 from ictamp_drake.tamp.solve import Solution, solve
@@ -22,30 +22,6 @@ from ictamp_drake.tamp.task import prepare
 
 if TYPE_CHECKING:
     from ictamp_drake.viz.live import LiveView
-
-CRASHED, HUNG = "CRASHED", "HUNG"
-"""Stop reasons of problems whose process could not report one."""
-
-
-class Pages(NamedTuple):
-    """Pages of a problem: file contents by name, and the error if some could not be made."""
-
-    files: dict[str, bytes]
-    error: str | None
-
-
-class Finished(NamedTuple):
-    """Result of a job.
-
-    Attributes:
-        record: Record of the job.
-        files: Contents of the files to keep, by name.
-        pages: Function that makes the remaining files. None when there are none.
-    """
-
-    record: Record
-    files: dict[str, bytes]
-    pages: Callable[[], Pages] | None = None
 
 
 class _Process:

@@ -92,7 +92,7 @@ def parse_selection(selection: str, count: int, option: str = "problems", of: st
     Raises:
         IctampError: The text is neither a number nor a slice, or selects no number below `count`.
     """
-    match = re.fullmatch(r"(\d*)(:?)(\d*)", selection.strip())
+    match = re.fullmatch(r"([0-9]{0,18})(:?)([0-9]{0,18})", selection.strip())
     if match is None or selection.strip() == "":
         problem = "expected a number or a slice, such as 3, 0:5 or 10:, got {value}"
         raise IctampError(Code.WRONG_TYPE, problem, field=option, value=selection)

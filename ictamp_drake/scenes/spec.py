@@ -32,6 +32,18 @@ SUPPORT_SIZES: dict[str, Vector] = {kind: read_thing(kind).size for kind in SUPP
 SUPPORT_SIDES = {"table": 0.01, "rack": 0.03}
 """Shortest side of each kind of support [m]; a rack's legs and stabilizers need room."""
 
+MAX_BYTES = 2**17
+"""Size of the largest scene file that is read [bytes]."""
+
+MAX_VALUES = 20_000
+"""Maximum number of values in a scene file, ten times as many as the largest scene has."""
+
+MAX_BOXES = 50
+"""Maximum number of boxes; to prepare a scene of so many takes 3 s, and time grows with the square of their number."""
+
+MAX_SUPPORTS = 20
+"""Maximum number of supports."""
+
 INTERFERENCES = ("stacked", "behind", "tipped")
 """Kinds of interference of boxes outside the goal (paper, Experiments)."""
 
@@ -170,9 +182,12 @@ class SceneSpec:
     description: str = ""
 
     def __post_init__(self) -> None:
-        for section in ("supports", "boxes"):
+        for section, most in (("supports", MAX_SUPPORTS), ("boxes", MAX_BOXES)):
             if not getattr(self, section):
                 raise IctampError(Code.EMPTY, "expected at least one", field=section)
+            if (count := len(getattr(self, section))) > most:
+                problem = f"expected at most {most}, got {{value}}"
+                raise IctampError(Code.TOO_LARGE, problem, field=section, value=count)
         check_names(supports=self.supports, boxes=self.boxes)
         if self.start.held:
             check_choice("start.held", self.start.held, self.boxes)
@@ -191,7 +206,7 @@ def load_scene(path: Path | str) -> SceneSpec:
         IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
     """
     with in_file(path):
-        return decode(SceneSpec, parse(read_text(path)))
+        return decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:

@@ -100,11 +100,12 @@ def _typed_objects(boxes: Sequence[str], supports: Sequence[str]) -> dict[str, s
     domain = boxes_domain()
     taken = {*domain.types, *domain.predicates, *(operator.name for operator in domain.operators)}
     types: dict[str, str] = {}
-    for kind, names in (("box", boxes), ("support", supports)):
+    for kind, section, names in (("box", "boxes", boxes), ("support", "supports", supports)):
         for name in names:
             if name in taken or name in types:
                 problem = f"the name {{value}} of a {kind} is that of another object or a word of the planning domain"
-                raise IctampError(Code.BAD_NAME, problem, value=name, advice="choose another name")
+                field, advice = f"{section}.{name}", "choose another name"
+                raise IctampError(Code.BAD_NAME, problem, field=field, value=name, advice=advice)
             types[name] = kind
     return types
 

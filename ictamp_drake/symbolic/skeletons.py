@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from heapq import heappop, heappush, heapreplace
 from typing import NamedTuple, Optional
 
-from ictamp_drake.core.checks import FINITE, check_fields
+from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.protocols import Guide, PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
@@ -40,6 +40,10 @@ class BreadthFirst:
         return Detours(domain, initial, goal, Patience(distance, moves, self.patience))
 
 
+MAX_WEIGHT = 1e6
+"""Maximum weight of a bound; an infinite product would mean that the goal cannot be reached."""
+
+
 @dataclass(frozen=True)
 class BestFirst:
     """Plans for many objects, roughly the shortest first.
@@ -52,7 +56,7 @@ class BestFirst:
     weight: float = 2.0
 
     def __post_init__(self) -> None:
-        check_fields(self, "generators.best-first", weight=(0, FINITE))
+        check_fields(self, "generators.best-first", weight=(0, MAX_WEIGHT))
 
     def create(self, context: GeneratorContext) -> PlanGenerator:
         """A stream of plans from the initial state to states that hold the goal."""

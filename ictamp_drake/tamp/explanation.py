@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.failures import Cause, Failure
 from ictamp_drake.planning.result import PlanningResult, StopReason
 from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, RefusedAction
 
@@ -30,14 +30,14 @@ class Blocked:
     """
 
     action: str
-    refusals: Mapping[Failure, int]
+    refusals: Mapping[Cause, int]
     obstacles: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def advice(self) -> str:
         """Advice against the most frequent cause; empty if nothing was refused."""
         worst = max(self.refusals, key=lambda cause: self.refusals[cause], default=None)
-        return "" if worst is None else worst.advice
+        return worst.advice if isinstance(worst, Failure) else ""
 
     @property
     def args(self) -> tuple[str, ...]:
@@ -78,7 +78,7 @@ class Explanation:
 
     stop_reason: str
     blocked: tuple[Blocked, ...] = ()
-    failures: Mapping[Failure, int] = field(default_factory=dict)
+    failures: Mapping[Cause, int] = field(default_factory=dict)
     steps: int = 0
     plans: int = 0
     verified: bool | None = None
@@ -93,7 +93,8 @@ class Explanation:
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
-                Blocked(str(report.action), report.refusals, dict(report.obstacles)) for report in result.blocked
+                Blocked(str(report.action), dict(report.refusals.items()), dict(report.obstacles))
+                for report in result.blocked
             ),
             failures=dict(result.failures.most_common()),
             steps=result.low_level_steps,
@@ -179,7 +180,7 @@ class Explanation:
         return "\n".join([self.reason, *(f"  {line}" for line in self.lines())])
 
 
-def list_causes(causes: Mapping[Failure, int]) -> str:
+def list_causes(causes: Mapping[Cause, int]) -> str:
     """List the causes, with their counts if there are several."""
     if len(causes) == 1:
         return str(next(iter(causes)))

@@ -149,6 +149,8 @@ class Method:
 
     Attributes:
         time_limit: Time limit of one problem, from the start of loading its scene [s].
+        cpu_limit: Limit of the processor time of one problem, over the same span [s]. By default there is none. A
+            result with this limit, and a time limit that is far away, does not depend on what else the machine does.
         max_steps: Maximum number of low-level steps of one problem.
         seed: Random seed of the search.
         sampler: Source of the skill parameters k.
@@ -158,8 +160,7 @@ class Method:
             weighted), round-robin and uniform use no estimator, and stap uses STAP's product of Q along the plan.
         max_expansions: Maximum number of nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
         verify: Test of a found plan, whose skills were executed one after the other already. none: no further test.
-            awake: another execution, in a fresh simulator in which no box sleeps. fine: the same with a time step of
-            1 ms.
+            awake: another execution, in a fresh simulator in which no box sleeps. fine: the same in steps of 1 ms.
         execution: Time at which physics runs the skills. each-step: at once, so that the search continues from the
             simulated end of each skill. whole-plan: once the motions of a whole plan are found; until then, each skill
             is assumed to end where it promises. A step that fails in physics counts as a failure, and the search
@@ -174,6 +175,7 @@ class Method:
     """
 
     time_limit: float = 60.0
+    cpu_limit: float | None = None
     max_steps: int | None = None
     seed: int = 0
     sampler: Annotated[str | SamplerConfig, _describe_part("sampler", Samplers().by_name())] = "policy"
@@ -193,6 +195,7 @@ class Method:
 
     def __post_init__(self) -> None:
         check_range("time-limit", self.time_limit, 0, 1e6, " s")
+        check_range("cpu-limit", self.cpu_limit or 0, 0, 1e6, " s")
         check_range("max-steps", self.max_steps or 0, 0, 1e9)
         check_range("seed", self.seed, 0, 2**63 - 1)
         check_range("max-expansions", self.max_expansions, 1, 1e9)
@@ -282,9 +285,10 @@ class Method:
             "planner": (self.planner, self.planners.by_name()),
         }
 
-    def budget(self, elapsed: float) -> Budget:
-        """The budget of the search after `elapsed` [s] of the time limit."""
-        return Budget(max(0.0, self.time_limit - elapsed), self.max_steps)
+    def budget(self, elapsed: float, cpu_elapsed: float) -> Budget:
+        """The budget of the search after `elapsed` [s] of the time limit and `cpu_elapsed` [s] of processor time."""
+        cpu_seconds = None if self.cpu_limit is None else max(0.0, self.cpu_limit - cpu_elapsed)
+        return Budget(max(0.0, self.time_limit - elapsed), self.max_steps, cpu_seconds)
 
 
 SCENE_METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))

@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.tamp.plan import Plan
@@ -19,6 +18,7 @@ from ictamp_drake.viz.search_page import search_html
 from ictamp_drake.viz.stage import Stage, start_meshcat
 from ictamp_drake.viz.tree import draw_tree
 from ictamp_drake.world.config import PhysicsConfig
+from ictamp_drake.world.outcome import Frame
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 
@@ -55,7 +55,7 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
         search_html(task.spec, result.tree, recordings, path, title, stage=stage(), reasons=reasons)
 
     def write_animation(path: Path) -> None:
-        if solution.plan:
+        if solution.plan is not None:
             write_replay(solution.plan, path, task.physics, stage())
 
     return {
@@ -69,24 +69,22 @@ def _pages(solution: Solution, title: str) -> dict[str, Callable[[Path], None]]:
 
 
 def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: Stage | None = None) -> None:
-    """Write the page of a plan. The plan is executed again unless all its skills were recorded.
+    """Write the page of a plan, which shows the start if the plan is empty.
+
+    The plan is executed again unless all its skills were recorded.
 
     Args:
         plan: Plan to show.
         path: File of the page.
         physics: Simulator of the scene; by default a new one.
         stage: Stage to draw on, which keeps the animation; by default a new one.
-
-    Raises:
-        IctampError: The plan is empty.
     """
-    if not plan.attempts:
-        raise IctampError(Code.EMPTY, "the plan is empty, so there is nothing to show")
     physics = physics or PhysicsConfig().create(World(plan.spec))
     attempts = plan.attempts
     if any(attempt.recording is None for attempt in attempts):
         attempts = plan.replay(physics.config).recorded(attempts)
-    replay_html(plan.spec, plan_frames(physics, attempts), plan_captions(attempts, starts(attempts)), path, stage=stage)
+    frames = plan_frames(physics, attempts) or [Frame(0.0, plan.c)]
+    replay_html(plan.spec, frames, plan_captions(attempts, starts(attempts)), path, stage=stage)
 
 
 def _configuration_to_dict(c: Configuration) -> dict[str, Any]:

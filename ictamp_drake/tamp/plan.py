@@ -4,6 +4,7 @@ import tempfile
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pydrake.trajectories import Trajectory
 
@@ -18,6 +19,9 @@ from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.commands import arm_trajectory
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.world import World
+
+if TYPE_CHECKING:
+    from ictamp_drake.tamp.playback import PlanSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +66,16 @@ class Plan:
             ValueError: The plan is empty.
         """
         return arm_trajectory([segment for attempt in self.attempts for segment in attempt.motion])
+
+    def system(self) -> "PlanSystem":
+        """Return a Drake system that plays the plan in a diagram of one's own. Its class documents the output ports.
+
+        Raises:
+            IctampError: An action of the plan is not applicable after those before it.
+        """
+        from ictamp_drake.tamp.playback import PlanSystem  # noqa: PLC0415  (imports this module)
+
+        return PlanSystem(self)
 
     def replay(self, physics: PhysicsConfig | None = None) -> Replay:
         """Execute the plan in a new simulator, by default with the default options."""

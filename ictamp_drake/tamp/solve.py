@@ -104,7 +104,10 @@ def solve(
     skills = method.skills.create(task.world, task.abstraction, task.physics, method.sampler_config)
     whole = method.execution == "whole-plan"
     estimator = method.estimator_config.create(EstimatorContext(task.world, skills))
-    budget = method.budget(elapsed=task.setup_time_s + perf_counter() - started)
+    budget = method.budget(
+        elapsed=task.setup_time_s + perf_counter() - started,
+        cpu_elapsed=task.setup_cpu_time_s + process_time() - cpu_started,
+    )
     planner = PlannerConfig(budget, method.max_expansions, method.rule_config).create(
         c=task.c,
         s=task.s,

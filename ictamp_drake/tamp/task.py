@@ -81,7 +81,7 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
         abstraction = SceneAbstraction(world, method.predicates)
         c, s = start_configuration(world, abstraction, physics)
         check_goal(goal, s)
-    roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
-    domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
+        roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
+        domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
     seconds, cpu_seconds = perf_counter() - started, process_time() - cpu_started
     return Task(spec, world, physics, abstraction, c, s, goal, domain, seconds, cpu_seconds)

@@ -98,6 +98,11 @@ def obedience_time(gripper: GripperCommand, segments: Sequence[Segment]) -> floa
     return max((change.arrival for change in _changes(gripper, segments)), default=0.0)
 
 
+def gripper_schedule(gripper: GripperCommand, segments: Sequence[Segment]) -> list[tuple[float, GripperCommand]]:
+    """Return the commands to the hand with the times from which they are in force [s], first `gripper` from 0 on."""
+    return [(0.0, gripper), *((change.start, change.after) for change in _changes(gripper, segments))]
+
+
 class _Change(NamedTuple):
     """Movement of the hand from the goal of one command to the goal of the next, from `start` to `arrival` [s]."""
 

@@ -6,7 +6,7 @@ from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.simulate import Physics
-from ictamp_drake.world.world import World
+from ictamp_drake.world.world import Touch, World
 
 MAX_OVERLAP = 0.001
 """Largest overlap of two bodies at the start [m]. Physics pushes them apart."""
@@ -52,14 +52,19 @@ def _check_joints(world: World) -> None:
         check_range(f"start.joints[{number}]", position, limits.lower, limits.upper, " rad")
 
 
-def check_overlaps(world: World, c: Configuration, field: str) -> None:
-    """Raise IctampError, for a field, when bodies overlap in c by more than `MAX_OVERLAP`."""
+def find_overlaps(world: World, c: Configuration) -> list[Touch]:
+    """Return the pairs of bodies in c that overlap more than physics can push apart."""
     supports = set(world.spec.supports)  # which may stand in each other
-    for touch in world.touches(c, 0.0):
-        if touch.distance < -MAX_OVERLAP and not {touch.a, touch.b} <= supports:
-            problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
-            bodies = sorted((touch.a, touch.b))
-            raise IctampError(Code.OVERLAP, problem, field=field, value=bodies, advice="move one of them")
+    touches = world.touches(c, 0.0)
+    return [each for each in touches if each.distance < -MAX_OVERLAP and not {each.a, each.b} <= supports]
+
+
+def check_overlaps(world: World, c: Configuration, field: str) -> None:
+    """Raise IctampError, for a field, when bodies in c overlap more than physics can push apart."""
+    for touch in find_overlaps(world, c):
+        problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
+        bodies = sorted((touch.a, touch.b))
+        raise IctampError(Code.OVERLAP, problem, field=field, value=bodies, advice="move one of them")
 
 
 def _check_carried(world: World, state: State) -> None:

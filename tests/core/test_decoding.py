@@ -97,6 +97,8 @@ def test_what_is_left_out_has_its_default_and_nothing_can_be_given() -> None:
         ({"name": "a", "is_new": 1}, Code.WRONG_TYPE, "cart.is_new"),
         ({"name": "a", "load": "heavy"}, Code.WRONG_TYPE, "cart.load"),
         ({"name": "a", "load": 10**400}, Code.WRONG_TYPE, "cart.load"),
+        ({"name": "a", "wheels": [{"radius": 0.1, "spokes": 10**400}]}, Code.WRONG_TYPE, "cart.wheels[0].spokes"),
+        ({"name": "a", "load": 16**5000}, Code.WRONG_TYPE, "cart.load"),
     ],
 )
 def test_what_does_not_fit_is_named(raw: object, code: Code, where: str) -> None:

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import yaml
 from pytest_regressions.file_regression import FileRegressionFixture
@@ -17,6 +18,7 @@ from ictamp_drake.core.checks import FINITE, POSITIVE, check_count, check_differ
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import make_folder, read_json
 from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.experiments.strategies import methods
 from ictamp_drake.learning.batches import split
 from ictamp_drake.learning.checkpoint import load as load_checkpoint
 from ictamp_drake.learning.dataset import load as load_attempts
@@ -82,6 +84,13 @@ def refuse_no_attempts() -> None:
     split(load_attempts(Path("data")))
 
 
+def refuse_a_missing_column() -> None:
+    Path("data").mkdir()
+    write([], Path("data/none.parquet"))
+    pq.write_table(pq.read_table("data/none.parquet").drop_columns(["k"]), "data/none.parquet")
+    load_attempts(Path("data"))
+
+
 def read_changed(change: tuple[str, str]) -> None:
     """Read a plan with a change, from a file in the working directory."""
     assert change[0] in PLAN
@@ -124,7 +133,12 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "a goal that stands a box up": [
         ("position: [0.5, 0.1, 0.059]", "position: [0.5, 0.1, 0.025], rotation: [90, 0, 0]")
     ],
-    "a goal that holds": [("(on red_box rack)", "(on red_box table)")],
+    "a number of many digits": [("seed: 0", f"seed: {'9' * 5000}")],
+    "a number beyond all numbers": [("yaw: 90", f"yaw: 1{'0' * 310}")],
+    "a seed that is too large": [("seed: 0", f"seed: {2**63}")],
+    "a name that is too long": [("  red_box:", f"  {'x' * 200}:")],
+    "a field that is too long": [("seed: 0", f"{'x' * 200}: 0")],
+    "too many boxes": [(RED_BOX, "\n".join(RED_BOX.replace("red_box", f"b{number}") for number in range(51)))],
     "boxes in each other": [(RED_BOX, f"{RED_BOX}\n{BLUE_BOX.replace('-0.1', '0.13')}")],
     "a box in the air": [("[0.5, 0.1, 0.059]", "[0.5, 0.1, 0.2]")],
     "a box that nobody holds": [("seed: 0", "start: {held: red_box}")],
@@ -176,6 +190,11 @@ EXAMPLES: dict[str, Callable[[], object]] = {
     ),
     "attempts that are not there": lambda: load_attempts(Path("nowhere")),
     "too few attempts": refuse_no_attempts,
+    "attempts that are no Parquet": lambda: load_attempts(
+        write_file("data/a.parquet", b"version https://git-lfs").parent
+    ),
+    "attempts without a column": refuse_a_missing_column,
+    "a seed in a strategy": lambda: methods("paper", ["mine=--seed 5"], [0]),
     "a folder of something else": lambda: open_run(RUN, Conduct(out=write_file("thesis/thesis.tex", "").parent)),
     "no run to resume": lambda: open_run(RUN, Conduct(out=Path("out"), resume=True)),
     "other options": refuse_other_options,

@@ -88,6 +88,29 @@ def test_scenes_that_are_not_fit_or_share_a_name_are_refused(
         work(Runner(scenes=tuple(tmp_path / scene for scene in scenes)))
 
 
+def test_all_bad_scenes_are_named_at_once_and_can_be_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    good = problem_files("easy", "0")[0].read_text()
+    bad = good.replace("(on cyan_box rack)", "(on cyan_box sofa)")
+    contents = {"first": bad, "good": good, "second": bad, "results.jsonl": good, "third": "boxes: ["}
+    scenes = tuple(tmp_path / f"{name}.yaml" for name in contents)
+    for scene, content in zip(scenes, contents.values(), strict=True):
+        scene.write_text(content)
+    arguments = ["--strategies", "adaptive", "--out", str(tmp_path / "out"), "--scenes", *map(str, scenes)]
+    assert program.main("ictamp_drake.experiments.runner", Runner, work, arguments) == BAD_INPUT
+    refused = capsys.readouterr().err
+    for name in ("first.yaml", "second.yaml", "third.yaml", "'results.jsonl'"):
+        assert refused.count(name) == 1, refused
+    assert "4 of 5 scenes" in refused
+    assert not (tmp_path / "out").exists()
+    options = Runner(strategies=("adaptive",), scenes=scenes, skip_bad_scenes=True)
+    assert [job.problem.name for job in work(options).jobs] == ["good"]
+    assert capsys.readouterr().err.count("left out: ") == 4
+    with refusal(Code.UNKNOWN_CHOICE, "goal"):
+        work(Runner(strategies=("adaptive",), scenes=scenes[:1], skip_bad_scenes=True))
+
+
 def test_a_scene_with_the_name_of_a_problem_is_refused(tmp_path: Path) -> None:
     scene = tmp_path / "easy-000.yaml"
     scene.write_bytes(problem_files("easy", "0")[0].read_bytes())

@@ -25,6 +25,12 @@ def test_the_papers_regime_draws_once_and_limits_time_and_steps() -> None:
         assert (method.time_limit, method.max_steps) == (120.0, 600)
 
 
+@pytest.mark.parametrize("options", ["--seed 5", "--planner els --seed=5"])
+def test_a_strategy_has_no_seed_of_its_own(options: str) -> None:
+    with refusal(Code.CONFLICT, "strategies", value=f"mine={options}"):
+        methods("default", [f"mine={options}"], [0])
+
+
 def test_a_strategy_is_run_with_every_seed() -> None:
     seeded = methods("default", ["adaptive"], [3, 5])["adaptive"]
     assert [method.seed for method in seeded] == [3, 5]
@@ -40,6 +46,12 @@ def test_a_strategy_of_ones_own_is_named_with_its_options() -> None:
 def test_what_is_no_strategy_is_refused_with_the_names_that_are(name: str) -> None:
     with refusal(Code.UNKNOWN_CHOICE, "strategies", value=name, choices=tuple(STRATEGIES)):
         methods("paper", [name], [0])
+
+
+@pytest.mark.parametrize("name", ["results.jsonl", "config.yaml", "index.html", 201 * "a"])
+def test_a_strategy_does_not_take_the_name_of_a_file_of_the_run(name: str) -> None:
+    with refusal(Code.BAD_NAME, "strategies", value=name):
+        methods("paper", [f"{name}=--planner els"], [0])
 
 
 @pytest.mark.parametrize("names", [["stap", "stap"], ["mine=--planner els", "mine=--planner stap"]])

@@ -78,6 +78,45 @@ def test_another_way_to_read_k_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "value", "code"),
+    [
+        ("schema", [], Code.WRONG_TYPE),
+        ("schema", None, Code.WRONG_TYPE),
+        ("schema", {"columns": {"a": [1]}}, Code.OTHER_VERSION),
+        ("k", 3, Code.WRONG_TYPE),
+        ("k", "version", Code.WRONG_TYPE),
+        ("k", {"version": [[[]]]}, Code.OTHER_VERSION),
+        ("kind", ["policy"], Code.WRONG_TYPE),
+        ("skill", {}, Code.WRONG_TYPE),
+        ("metrics", {"auc": "high"}, Code.WRONG_TYPE),
+        ("provenance", [1], Code.WRONG_TYPE),
+        ("network", "wide", Code.WRONG_TYPE),
+        ("more", 1, Code.UNKNOWN_FIELD),
+    ],
+)
+def test_odd_metadata_are_refused(name: str, value: object, code: Code, tmp_path: Path) -> None:
+    path = CHECKPOINT.save(tmp_path)
+    arrays, metadata = read(path)
+    write(path, arrays, {**metadata, name: value})
+    with refusal(code, file=path):
+        load(tmp_path, "policy", "pick")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_weights_that_are_not_finite_are_refused(value: float, tmp_path: Path) -> None:
+    path = CHECKPOINT.save(tmp_path)
+    arrays, metadata = read(path)
+    write(path, {**arrays, "two": np.array([value], dtype=np.float32)}, metadata)
+    assert_refused(tmp_path, Code.DAMAGED, "two")
+
+
+@pytest.mark.parametrize("content", [b"\x80\x04}q\x00.", b"PK\x03\x04" + b"x" * 100, b"version https://git-lfs\n"])
+def test_files_of_other_formats_are_refused(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "pick_policy.safetensors").write_bytes(content)
+    assert_refused(tmp_path, Code.DAMAGED)
+
+
+@pytest.mark.parametrize(
     ("kind", "loader"), [("policy", load_skill), ("estimator", load_estimator), ("dynamics", load_dynamics)]
 )
 def test_numbers_that_do_not_fit_are_refused(tmp_path: Path, kind: str, loader) -> None:  # type: ignore[no-untyped-def]

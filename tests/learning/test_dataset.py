@@ -1,16 +1,21 @@
 """Rows of attempts: written, joined, read back, and turned into training data."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.dataset as pads
+import pyarrow.parquet as pq
 import pytest
 
+from ictamp_drake.collection.shards import summary
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
+from ictamp_drake.learning.cases import read_cases
 from ictamp_drake.learning.dataset import (
+    FIELDS,
     AttemptRow,
     action,
     configuration,
@@ -150,6 +155,67 @@ def test_no_rows_are_no_attempts(tmp_path: Path) -> None:
 def test_a_folder_without_attempts_is_named(tmp_path: Path) -> None:
     with refusal(Code.NOT_FOUND, file=tmp_path):
         load(tmp_path)
+
+
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 3\n"
+READERS = [load, fingerprint, summary, lambda folder: read_cases(folder, "pick", least=1)]
+
+
+@pytest.mark.parametrize("act", READERS)
+@pytest.mark.parametrize("content", [b"", POINTER, b"PAR1", b"PAR1" + b"x" * 100 + b"PAR1"])
+def test_a_file_that_is_not_parquet_is_named(act: Callable[[Path], object], content: bytes, folder: Path) -> None:
+    (folder / "more.parquet").write_bytes(content)
+    with refusal(Code.DAMAGED, file=folder / "more.parquet"):
+        act(folder)
+    with refusal(Code.DAMAGED, file=folder / "more.parquet"):
+        merge([folder / "all.parquet", folder / "more.parquet"], folder / "merged.parquet")
+    assert not (folder / "merged.parquet").exists()
+
+
+@pytest.mark.parametrize("act", READERS)
+@pytest.mark.parametrize("spoil", ["cut", "middle"])
+def test_a_damaged_file_is_named(act: Callable[[Path], object], spoil: str, folder: Path) -> None:
+    path = folder / "all.parquet"
+    content = bytearray(path.read_bytes())
+    if spoil == "cut":
+        content = content[: len(content) // 2]
+    else:
+        content[4 : len(content) // 2] = bytes(len(content) // 2 - 4)
+    path.write_bytes(content)
+    with refusal(Code.DAMAGED):
+        act(folder)
+
+
+@pytest.mark.parametrize("column", FIELDS.names)
+def test_a_missing_column_is_named(column: str, folder: Path) -> None:
+    path = folder / "all.parquet"
+    pq.write_table(pq.read_table(path).drop_columns([column]), path)
+    with refusal(Code.MISSING_FIELD, column, file=path):
+        load(folder)
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "code"),
+    [
+        ("q", pa.array(["x"] * 5), Code.DAMAGED),
+        ("poses", pa.array([[1.0]] * 5, pa.list_(pa.float32())), Code.WRONG_LENGTH),
+        ("poses", pa.array([None] * 5, pa.list_(pa.float32())), Code.MISSING_FIELD),
+        ("q", pa.array([[np.nan] * 9] * 5, pa.list_(pa.float32(), 9)), Code.DAMAGED),
+        ("k", pa.array([[np.inf] * 4] * 5, pa.list_(pa.float32(), 4)), Code.DAMAGED),
+        ("spec", pa.array(["no scene"] * 5), Code.NOT_JSON),
+        ("spec", pa.array(["{}"] * 5), Code.MISSING_FIELD),
+        ("box", pa.array(["nothing"] * 5), Code.UNKNOWN_CHOICE),
+        ("action", pa.array(["throw"] * 5), Code.UNKNOWN_CHOICE),
+        ("held", pa.array(["nothing"] * 5), Code.UNKNOWN_CHOICE),
+        ("executed", pa.array([None] * 5, pa.bool_()), Code.MISSING_FIELD),
+    ],
+)
+def test_rows_that_do_not_fit_are_refused(column: str, values: pa.Array, code: Code, folder: Path) -> None:
+    path = folder / "all.parquet"
+    table = pq.read_table(path)
+    pq.write_table(table.set_column(table.schema.get_field_index(column), column, values), path)
+    with refusal(code, file=folder):
+        load(folder)
 
 
 def test_unfinished_files_are_not_read(folder: Path) -> None:

@@ -101,3 +101,19 @@ def test_a_floor_that_is_no_probability_is_refused() -> None:
 def test_a_scale_of_zero_is_refused_by_name(name: str) -> None:
     with refusal(Code.OUT_OF_RANGE, f"planners.els.{name}", value=0.0):
         ElsConfig(**{name: 0.0})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "config", [ElsConfig(p_w=1e308), ElsConfig(p_c=1e308), ElsConfig(p_w=1e308, p_c=1e308, w0=1e-300)]
+)
+def test_powers_that_are_too_large_come_last(config: ElsConfig) -> None:
+    search = Search(config)
+    for seconds in (3.0, 2.0, 2.0):
+        option = search.next()
+        if option == OpenPlan():
+            search.tree.record_opening((RIGHT_UP, UP_RIGHT)[len(search.tree.opened) % 2], 1, seconds)
+        else:
+            assert isinstance(option, RunStep)
+            action = search.tree.plans[option.plan].actions[0]
+            attempt = Attempt(action, Failure.SLIPPED, None, seconds={"physics": seconds})
+            search.tree.record_step(option.node, option.plan, attempt)

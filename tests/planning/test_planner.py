@@ -178,6 +178,16 @@ def test_nothing_starts_after_the_deadline(seconds: float, tick: float) -> None:
     assert result.planning_time_s >= seconds
 
 
+def test_processor_time_has_a_limit_of_its_own_whatever_the_clock_on_the_wall() -> None:
+    world = replace(SURE, walls=((2, 1),))
+    slow, fast = (
+        toy_planner(world, steps=None, cpu_seconds=5.0, clock=TickingClock(tick), cpu_clock=TickingClock(0.1)).run()
+        for tick in (0.01, 0.001)
+    )
+    assert slow.stop_reason is fast.stop_reason is StopReason.OUT_OF_CPU_TIME
+    assert slow.low_level_steps == fast.low_level_steps > 0
+
+
 def test_stop_ends_the_search_between_two_steps() -> None:
     events: list[Event] = []
     result = toy_planner(

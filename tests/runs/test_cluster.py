@@ -51,7 +51,7 @@ def test_a_task_that_fails_dies_or_hangs_takes_no_other_with_it(cluster: Cluster
         assert futures[4].result() == 16
         with pytest.raises(ValueError, match="one"):
             futures[1].result()
-        with pytest.raises(Exception, match="ProcessExpired"):
+        with pytest.raises(Exception, match="WorkerDied"):
             futures[2].result()
         with pytest.raises(TimeoutError):
             futures[3].result()

@@ -89,5 +89,5 @@ def test_a_page_that_cannot_be_written_costs_nothing_else(tmp_path: Path) -> Non
     made = Index(recorded.folder_of(tmp_path / "out", [SOLVED]), [])
     (made.path / "in-the-way").mkdir(parents=True)
     made.add([BLOCKED])
-    assert isinstance(made.error, OSError)
+    assert made.error is not None
     assert {path.name for path in made.path.parent.iterdir()} == {"config.yaml", "results.jsonl", "index.html"}

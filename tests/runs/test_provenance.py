@@ -27,7 +27,7 @@ def test_the_commit_is_that_of_the_package(tmp_path: Path) -> None:
 
 
 def test_versions_are_those_of_what_the_package_needs() -> None:
-    assert {"ictamp_drake", "drake", "numpy", "pebble"} <= versions().keys()
+    assert {"ictamp_drake", "drake", "numpy", "tyro"} <= versions().keys()
     assert "pytest" not in versions()
 
 

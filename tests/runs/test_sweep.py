@@ -1,17 +1,22 @@
 """A single job in this process leaves the same files as in a worker, and reports its result before its pages."""
 
+import errno
 import os
 import signal
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
 from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.reading import parse
+from ictamp_drake.runs import sweep as sweep_module
 from ictamp_drake.runs import worker
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
@@ -134,6 +139,48 @@ def test_a_page_that_fails_costs_only_itself(job: Job, tmp_path: Path, monkeypat
         "search.html"
     }
     assert read_records(tmp_path / "out" / "results.jsonl")["scene"] == second
+
+
+def fill_disk(*_: object) -> None:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_full_disk_costs_the_files_but_not_the_record(
+    job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, alone: bool
+) -> None:
+    """The disk has room for a record as soon as the files of the problem are removed."""
+    monkeypatch.setattr(sweep_module, "_write", fill_disk)
+    told = done(replace(job, method=SHORT), tmp_path / "out", alone=alone)
+    assert told.records[0].low_level_steps == 1
+    assert told.records[0].stop_reason == "OUT_OF_STEPS"
+    assert all(record.error is not None and "No space left" in record.error for record in told.records)
+    assert read_records(tmp_path / "out" / "results.jsonl") == {"scene": told.records[-1]}
+    assert not (tmp_path / "out" / "scene").exists()
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_full_folder_for_temporary_files_costs_no_record(
+    job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, alone: bool
+) -> None:
+    monkeypatch.setattr(sweep_module, "start_worker", start_without_room)
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    told = done(replace(job, method=SHORT), tmp_path / "out", alone=alone)
+    assert all(record.low_level_steps == 1 and record.error is not None for record in told.records)
+
+
+def start_without_room(*arguments: Any) -> None:
+    """Start a worker whose temporary files have no place."""
+    worker.start_worker(*arguments)
+    tempfile.tempdir = "/proc"
+
+
+@pytest.mark.parametrize("name", ["cost_$5_to_$10", "\\frac{_^", "<b>&amp;", "äö 🙂", "a" * 200])
+def test_a_name_is_text_in_pictures_and_pages(job: Job, tmp_path: Path, name: str) -> None:
+    strange = replace(job, problem=replace(job.problem, name=name), method=SHORT)
+    assert done(strange, tmp_path / "out").records[-1].error is None
+    assert {path.name for path in (tmp_path / "out" / name).iterdir()} >= {"scene.yaml", *PAGES} - {"replay.html"}
+    ElementTree.parse(tmp_path / "out" / name / "tree.svg")
 
 
 def test_pages_that_never_end_are_given_up(job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -61,6 +61,17 @@ def test_failures_are_counted_over_all_problems() -> None:
     assert next(line.split() for line in output.splitlines() if "slipped" in line)[-1] == "3"
 
 
+def test_failures_of_other_versions_keep_their_names() -> None:
+    counts = {"FROZEN": 3, "SLIPPED": 2}
+    output = text(
+        record("a", high_level_plans=1, low_level_steps=5, failures=counts),
+        record("b", blocked={"pick(x, y)": counts}),
+    )
+    rows = [line.split() for line in output.splitlines()]
+    assert ["FROZEN", "3"] in rows
+    assert "3 FROZEN, 2 object slipped" in " ".join(output.split())
+
+
 @pytest.mark.parametrize(
     "values",
     [

@@ -48,7 +48,7 @@ def test_selections(selection: str, numbers: list[int]) -> None:
     assert [path.name for path in problem_files("hard", selection)] == [f"{number:03d}.yaml" for number in numbers]
 
 
-@pytest.mark.parametrize("selection", ["", "a", "1,2", "-1", "1:2:3", "1.5", "0-5"])
+@pytest.mark.parametrize("selection", ["", "a", "1,2", "-1", "1:2:3", "1.5", "0-5", 5000 * "1", "٣"])
 def test_a_selection_that_is_not_understood(selection: str) -> None:
     with refusal(Code.WRONG_TYPE, "problems", value=selection):
         parse_selection(selection, 17)

@@ -256,7 +256,7 @@ def test_no_patience_is_refused() -> None:
         BreadthFirst(patience=0)
 
 
-@pytest.mark.parametrize("weight", [-1.0, math.inf, math.nan])
+@pytest.mark.parametrize("weight", [-1.0, 1e308, math.inf, math.nan])
 def test_a_weight_that_makes_no_sense_is_refused(weight: float) -> None:
     with refusal(Code.OUT_OF_RANGE, "generators.best-first.weight", value=weight):
         BestFirst(weight=weight)

@@ -147,9 +147,11 @@ def test_stap_asks_for_the_product_along_the_plan_whatever_the_estimator() -> No
 @pytest.mark.parametrize(("elapsed", "left"), [(0.0, 10.0), (4.0, 6.0), (12.0, 0.0)])
 def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) -> None:
     method = Method(time_limit=10.0, max_steps=5)
-    budget = method.budget(elapsed)
+    budget = method.budget(elapsed, cpu_elapsed=1.0)
     assert budget.seconds == left
     assert budget.steps == 5
+    assert budget.cpu_seconds is None
+    assert replace(method, cpu_limit=10.0).budget(0.0, cpu_elapsed=elapsed).cpu_seconds == left
 
 
 @pytest.mark.parametrize(
@@ -157,6 +159,8 @@ def test_the_planner_gets_what_is_left_of_the_time(elapsed: float, left: float) 
     [
         lambda: Method(time_limit=-1.0),
         lambda: Method(time_limit=float("nan")),
+        lambda: Method(cpu_limit=-1.0),
+        lambda: Method(cpu_limit=float("nan")),
         lambda: Method(max_steps=-1),
         lambda: Method(seed=-1),
         lambda: Method(sampler="best_first"),

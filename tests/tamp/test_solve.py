@@ -213,6 +213,12 @@ def test_time_spent_before_the_search_counts(scene: Path) -> None:
     assert solution.planning_time_s > solution.result.planning_time_s
 
 
+def test_processor_time_spent_before_the_search_counts(scene: Path) -> None:
+    solution = solve(load(scene), time_limit=1000.0, cpu_limit=0.01)
+    assert solution.result.stop_reason is StopReason.OUT_OF_CPU_TIME
+    assert solution.result.low_level_steps == 0
+
+
 @pytest.mark.parametrize("estimator", ["p_score", "q_value"])
 def test_what_was_learned_takes_part_in_the_search(scene: Path, tmp_path: Path, estimator: str) -> None:
     """Even untrained networks draw k and score the options."""
