@@ -186,7 +186,7 @@ def check_states(spec: SceneSpec, initial: State, actions: Sequence[Action], fou
         found: Atoms that hold after each action; None where they are not known.
     """
     used = {argument for action in actions for argument in action.args}
-    with within("initial"):
+    with within("initial.poses"):
         domain = Domain.create(sorted(used & spec.boxes.keys()), sorted(used & spec.supports.keys()), initial)
     state = initial
     for number, (action, after) in enumerate(zip(actions, found, strict=True)):

@@ -28,6 +28,7 @@ from ictamp_drake.tamp.plan_checks import (
 from ictamp_drake.tamp.plan_file import FORMAT, plan_content, predicates_of
 from ictamp_drake.tamp.plan_origin import Origin
 from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.start import check_overlaps
 from ictamp_drake.world.world import World
 
 FORMATS = (1, 2, FORMAT)
@@ -84,7 +85,9 @@ def _check_parts(found: "_File") -> Parts:
 def _check_whole(content: Mapping[str, object], parts: Parts, version: int) -> None:
     """Raise IctampError when parts of the plan contradict each other."""
     spec, c, attempts, origin = parts
-    abstraction = SceneAbstraction(World(spec), predicates_of(origin))
+    world = World(spec)
+    check_overlaps(world, c, "initial.poses")
+    abstraction = SceneAbstraction(world, predicates_of(origin))
     ends = [None if attempt.successor is None else abstraction(attempt.successor) for attempt in attempts]
     check_states(spec, abstraction(c), [attempt.action for attempt in attempts], ends)
     derived = plan_content(spec, c, attempts, origin, abstraction)

@@ -24,7 +24,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
     """
     _check_joints(world)
     c, held = world.initial_configuration(), world.spec.start.held
-    _check_overlaps(world, c)
+    check_overlaps(world, c, "boxes")
     state = abstraction(c)
     _check_carried(world, state)
     if held and Atom("in-hand", (held,)) not in state:
@@ -59,11 +59,12 @@ def find_overlaps(world: World, c: Configuration) -> list[Touch]:
     return [each for each in touches if each.distance < -MAX_OVERLAP and not {each.a, each.b} <= supports]
 
 
-def _check_overlaps(world: World, c: Configuration) -> None:
+def check_overlaps(world: World, c: Configuration, field: str) -> None:
+    """Raise IctampError, for a field, when bodies in c overlap more than physics can push apart."""
     for touch in find_overlaps(world, c):
         problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
         bodies = sorted((touch.a, touch.b))
-        raise IctampError(Code.OVERLAP, problem, field="boxes", value=bodies, advice="move one of them")
+        raise IctampError(Code.OVERLAP, problem, field=field, value=bodies, advice="move one of them")
 
 
 def _check_carried(world: World, state: State) -> None:

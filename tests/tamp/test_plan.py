@@ -90,6 +90,31 @@ def test_a_plan_survives_bit_for_bit(
         assert read.control_points.tobytes() == written.control_points.tobytes()
 
 
+Spoil = Callable[[dict[str, Any]], object]
+
+
+def at(path: str, value: Any) -> Spoil:
+    """A change of one value; keys of lists are numbers."""
+
+    def change(content: Any) -> None:
+        *parents, last = (int(key) if key.lstrip("-").isdigit() else key for key in path.split("."))
+        for key in parents:
+            content = content[key]
+        content[last] = value(content[last]) if callable(value) else value
+
+    return change
+
+
+def without(path: str) -> Spoil:
+    """A change that removes an entry."""
+    *parents, last = path.split(".")
+
+    def remove(value: Any) -> Any:
+        return {key: item for key, item in value.items() if key != last}
+
+    return at(".".join(parents), remove) if parents else lambda content: content.pop(last)
+
+
 # the file of a plan that was found
 
 
@@ -173,13 +198,23 @@ def test_older_formats_become_todays(version: int, content: dict[str, Any], plan
     assert Plan.load(path).c == old.c
 
 
-@pytest.mark.parametrize("version", [1, 2])
-def test_older_formats_are_checked_too(version: int, content: dict[str, Any], tmp_path: Path) -> None:
-    spoiled = without_surroundings(content, version)
-    spoiled["steps"][0]["action"] = "pick(red_box, rack)"
+@pytest.mark.parametrize(
+    ("change", "code", "field"),
+    [
+        (at("steps.0.action", "pick(red_box, rack)"), Code.CONFLICT, "steps[0].action"),
+        (at("steps.0.segments.1.start", 3), Code.CONFLICT, "steps[0].segments[1].start"),
+        (at("initial.poses.blue_box", [1, 0, 0, 0, 0.46, 0.12, 0.04]), Code.OVERLAP, "initial.poses"),
+        (at("initial.poses.red_box.6", 0.5), Code.BAD_STATE, "initial.poses.red_box"),
+    ],
+)
+def test_older_formats_are_checked_too(
+    change: Spoil, code: Code, field: str, content: dict[str, Any], tmp_path: Path
+) -> None:
+    spoiled = json.loads(json.dumps(without_surroundings(content, 1)))
+    change(spoiled)
     path = tmp_path / "plan.yaml"
     path.write_text(yaml.safe_dump(spoiled))
-    with refusal(Code.CONFLICT, "steps[0].action", value="pick(red_box, rack)"):
+    with refusal(code, field, file=path):
         read_plan(path)
 
 
@@ -305,31 +340,6 @@ def test_files_that_once_ended_the_process_are_refused(name: str, code: Code) ->
 def test_a_missing_plan_is_named(tmp_path: Path) -> None:
     with refusal(Code.NOT_READABLE, file=tmp_path / "plan.yaml"):
         read_plan(tmp_path / "plan.yaml")
-
-
-Spoil = Callable[[dict[str, Any]], object]
-
-
-def at(path: str, value: Any) -> Spoil:
-    """A change of one value; keys of lists are numbers."""
-
-    def change(content: Any) -> None:
-        *parents, last = (int(key) if key.lstrip("-").isdigit() else key for key in path.split("."))
-        for key in parents:
-            content = content[key]
-        content[last] = value(content[last]) if callable(value) else value
-
-    return change
-
-
-def without(path: str) -> Spoil:
-    """A change that removes an entry."""
-    *parents, last = path.split(".")
-
-    def remove(value: Any) -> Any:
-        return {key: item for key, item in value.items() if key != last}
-
-    return at(".".join(parents), remove) if parents else lambda content: content.pop(last)
 
 
 NAN, FIRST = float("nan"), "steps.0.segments.0"
