@@ -198,8 +198,8 @@ def write_table(rows: Rows) -> None:
     text = [
         "# Plans executed in changed worlds",
         "",
-        "By `make robustness`, open loop: how many plans reach their goal, at rest in the end. Each is executed once with",
-        "each change. Intervals are Wilson's of 95 %.",
+        "By `make robustness`, open loop: how many plans reach their goal, at rest in the end. Each is executed once",
+        "with each change. Intervals are Wilson's of 95 %.",
         "",
         f"Plans: {plans}. No plan was found for: {', '.join(unsolved) or 'none'}.",
         "",
