@@ -57,15 +57,13 @@ def act(options: ReplayOptions, console: Console) -> int:
     replay = plan.replay(physics)
     _report(compare_steps(replay, SceneAbstraction(world), plan.actions, states), console)
     skills = f"{len(replay.outcomes)} of {len(plan)} skills executed in {replay.seconds:.1f} s"
-    console.print(
-        f"{options.plan}: {skills}; the goal {'holds' if replay.reached else 'does not hold'}", soft_wrap=True
-    )
+    console.print(f"{options.plan}: {skills}; the goal {'holds' if replay.holds else 'does not hold'}", soft_wrap=True)
     if replay.outcomes or not plan.attempts:
         page = options.out or options.plan.with_name("replay.html")
         with refuse_unwritable(page):
             written = replace(plan, attempts=replay.recorded(plan.attempts)).show(page, browser=options.show)
         console.print(f"Replay: {written}", soft_wrap=True)
-    return COMPLETE if replay.reached else BROKEN
+    return COMPLETE if replay.holds else BROKEN
 
 
 def _report(steps: Sequence[StepReport], console: Console) -> None:

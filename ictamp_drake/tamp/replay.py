@@ -24,11 +24,14 @@ class Replay:
         outcomes: Outcome of each skill; fewer than there are skills when the contact solver diverged.
         reached: Whether everything came to rest after each skill, and the goal holds in H of the last configuration.
         seconds: Processor time of the simulation [s].
+        holds: Whether all skills were executed and the goal holds at rest in the end, also when something was still
+            moving after an earlier skill.
     """
 
     outcomes: tuple[Outcome, ...]
     reached: bool
     seconds: float
+    holds: bool
 
     def recorded(self, attempts: Sequence[Attempt[Configuration]]) -> tuple[Attempt[Configuration], ...]:
         """Return the executed skills with the motions and recordings of this execution."""
@@ -67,8 +70,9 @@ def replay(
             outcomes.append(physics.proceed(attempt.motion) if outcomes else physics.run(c, attempt.motion))
     seconds = process_time() - start
     end = outcomes[-1].c if outcomes else c
-    settled = len(outcomes) == len(attempts) and all(outcome.settled for outcome in outcomes)
-    return Replay(tuple(outcomes), settled and goal <= abstraction(end), seconds)
+    at_rest = all(outcome.settled for outcome in outcomes[-1:])
+    holds = len(outcomes) == len(attempts) and at_rest and goal <= abstraction(end)
+    return Replay(tuple(outcomes), holds and all(outcome.settled for outcome in outcomes), seconds, holds)
 
 
 def plan_frames(physics: Physics, attempts: Sequence[Attempt[Configuration]]) -> list[Frame]:

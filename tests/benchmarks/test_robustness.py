@@ -38,8 +38,9 @@ def test_the_sets_take_turns_and_have_at_least_twenty_plans() -> None:
 def test_the_table_counts_what_was_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(robustness, "OUT", tmp_path / "table.md")
     rows: list[dict[str, Any]] = [
-        {"set": group, "problem": f"{group}-{number}", "change": "none", "reached": number != 0, "missed": "pick(a, b)"}
-        | {"how": "missing: in-hand(a)"}
+        {"set": group, "problem": f"{group}-{number}", "change": "none", "reached": number != 0, "missed": None}
+        | ({"missed": "pick(a, b)", "how": "missing: in-hand(a)"} if number < 2 else {"how": None})
+        | {"grasps": 1 + number}
         for group in ("easy", WIDE)
         for number in range(4)
     ]
@@ -47,7 +48,8 @@ def test_the_table_counts_what_was_run(tmp_path: Path, monkeypatch: pytest.Monke
     text = (tmp_path / "table.md").read_text()
     assert "| none | 3/4 | 3 of 4 (30 to 95 %) | 3 of 4 (30 to 95 %) |" in text
     assert "No plan was found for: hard-7." in text
-    assert "| all four levels | none | 1 | 0 | 0 |" in text
+    assert "| all four levels | none | 1 | 0 | 0 | 0 | 2 of 10 |" in text
+    assert "In 2 other executions" in text
 
 
 def test_a_run_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,9 @@ from ictamp_drake.tamp.replay import Replay, replay
 from ictamp_drake.tamp.solve import Solution, solve
 from ictamp_drake.tamp.task import Task, load
 from ictamp_drake.world.config import PhysicsConfig
+from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import World
 from tests.runs.programs import SCENE
 
@@ -201,3 +204,22 @@ def test_an_execution_in_which_the_solver_diverges_does_not_reach_the_goal(small
     diverged = execute(replace(task, c=wild, goal=frozenset()), attempts, replace(METHOD.physics, sleep=False))
     assert not diverged.reached
     assert diverged.outcomes == ()
+
+
+class Restless(Physics):
+    """A simulator that says that something moves after the first skill."""
+
+    def run(self, *arguments: Any, **options: Any) -> Outcome:
+        return replace(super().run(*arguments, **options), settled=False)
+
+
+def test_a_goal_that_holds_in_the_end_holds_also_when_something_moved_on_the_way(small: Solution) -> None:
+    task, attempts = found(small)
+    world = World(task.spec)
+    again = replay(
+        Restless(world, METHOD.physics), abstraction=task.abstraction, goal=task.goal, c=task.c, attempts=attempts
+    )
+    assert again.holds
+    assert not again.reached
+    assert execute(task, attempts).holds
+    assert not execute(task, attempts[:-1]).holds
