@@ -213,7 +213,7 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
     """Write a scene file that `load_scene` reads back exactly; it appears whole or not at all.
 
     Raises:
-        OSError: The folder does not exist or is not writable.
+        IctampError: The file cannot be written.
     """
     write_whole(path, to_yaml(spec))
 
@@ -226,9 +226,22 @@ def to_dict(spec: SceneSpec) -> dict[str, Any]:
     return values
 
 
+class _Dumper(yaml.SafeDumper):
+    """PyYAML's safe dumper, which also quotes text with line breaks of Unicode; otherwise they are read as blanks."""
+
+    def represent_str(self, text: str) -> yaml.ScalarNode:
+        style = '"' if any(character in text for character in "\x85\u2028\u2029") else None
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_Dumper.add_representer(str, _Dumper.represent_str)
+
+
 def to_yaml(spec: SceneSpec) -> str:
     """Text of the scene's file."""
-    text = yaml.safe_dump(to_dict(spec), sort_keys=False, default_flow_style=None, width=120, allow_unicode=True)
+    text = yaml.dump(
+        to_dict(spec), Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=120, allow_unicode=True
+    )
     return str(text)
 
 

@@ -88,7 +88,7 @@ def test_a_scene_survives_its_file(tmp_path: Path) -> None:
 
 def test_a_failed_save_leaves_nothing_behind(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").mkdir()
-    with pytest.raises(OSError, match=r"scene\.yaml"):
+    with refusal(Code.NOT_WRITABLE, file=tmp_path / "scene.yaml"):
         save_scene(decode(SceneSpec, parse(SHORTEST)), tmp_path / "scene.yaml")
     assert [entry.name for entry in tmp_path.iterdir()] == ["scene.yaml"]
 
