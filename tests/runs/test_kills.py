@@ -68,7 +68,7 @@ def killing(seed: int, kills: int, pause: float) -> Iterator[list[int]]:
         thread.join()
 
 
-@pytest.mark.parametrize(("seed", "count", "kills"), [(0, 30, 5), pytest.param(1, 90, 45, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("seed", "count", "kills"), [(0, 30, 5), pytest.param(11, 400, 200, marks=pytest.mark.slow)])
 def test_killed_workers_cost_no_record(
     seed: int, count: int, kills: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
