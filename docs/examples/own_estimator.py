@@ -1,4 +1,4 @@
-"""An estimator of one's own: `python docs/examples/own_estimator.py`."""
+"""Your own estimator: `python docs/examples/own_estimator.py`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

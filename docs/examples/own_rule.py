@@ -1,4 +1,4 @@
-"""A selection rule of one's own: `python docs/examples/own_rule.py`."""
+"""Your own selection rule: `python docs/examples/own_rule.py`."""
 
 from dataclasses import dataclass
 from pathlib import Path

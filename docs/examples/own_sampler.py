@@ -1,4 +1,4 @@
-"""A sampler of one's own: `python docs/examples/own_sampler.py`."""
+"""Your own sampler: `python docs/examples/own_sampler.py`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

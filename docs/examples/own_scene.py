@@ -1,4 +1,4 @@
-"""A scene of one's own, from a file and in Python: `python docs/examples/own_scene.py`."""
+"""Your own scene, from a file and in Python: `python docs/examples/own_scene.py`."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A skill of one's own, another way to carry out an action: `python docs/examples/own_skill.py`."""
+"""Your own skill, another way to carry out an action: `python docs/examples/own_skill.py`."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A plan played in a diagram of one's own: `python docs/examples/play_plan.py`."""
+"""Your own plan played in a diagram: `python docs/examples/play_plan.py`."""
 
 from pathlib import Path
 

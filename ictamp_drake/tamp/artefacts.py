@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 from ictamp_drake.scenes.spec import save_scene
+from ictamp_drake.tamp.plan import write_plan
 from ictamp_drake.tamp.solve import Solution
 
 Artefacts = Literal["all", "plan", "none"]
@@ -23,7 +24,7 @@ def write_result(solution: Solution, folder: Path) -> None:
     """Write scene.yaml and, for a verified plan, plan.yaml."""
     save_scene(solution.task.spec, folder / "scene.yaml")
     if solution.plan is not None:
-        solution.plan.save(folder / "plan.yaml")
+        write_plan(solution.plan, folder / "plan.yaml", solution.task.abstraction)
 
 
 def write_pages(solution: Solution, folder: Path) -> None:

@@ -292,7 +292,7 @@ class Method:
 
 
 SCENE_METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
-"""Default of everything that plans in a scene of one's own; experiments keep the defaults of `Method`.
+"""Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
 thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first

@@ -68,7 +68,7 @@ class Plan:
         return arm_trajectory([segment for attempt in self.attempts for segment in attempt.motion])
 
     def system(self) -> "PlanSystem":
-        """Return a Drake system that plays the plan in a diagram of one's own. Its class documents the output ports.
+        """Return a Drake system that plays the plan in your own diagram. Its class documents the output ports.
 
         Raises:
             IctampError: An action of the plan is not applicable after those before it.
@@ -123,9 +123,15 @@ class Plan:
         return read_plan(Path(path))
 
 
-def write_plan(plan: Plan, path: Path) -> None:
-    """Write the file, which appears whole or not at all. Numbers are read back exactly."""
-    abstraction = SceneAbstraction(World(plan.spec), predicates_of(plan.origin))
+def write_plan(plan: Plan, path: Path, abstraction: SceneAbstraction | None = None) -> None:
+    """Write the file, which appears whole or not at all. Numbers are read back exactly.
+
+    Args:
+        plan: Plan to write.
+        path: File to write.
+        abstraction: H of the plan's scene, if it exists already; building it takes as long as writing the file.
+    """
+    abstraction = abstraction or SceneAbstraction(World(plan.spec), predicates_of(plan.origin))
     write_content(plan_content(plan.spec, plan.c, plan.attempts, plan.origin, abstraction), path)
 
 

@@ -1,4 +1,4 @@
-"""A plan as a system that plays it in a Drake diagram of one's own."""
+"""A plan as a system that plays it in the user's own Drake diagram."""
 
 from bisect import bisect_right
 from itertools import accumulate

@@ -16,17 +16,13 @@ import pytest
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Estimator, RuleContext
 from ictamp_drake.core.types import Action, Attempt, Obstruction, Skeleton
-from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.adaptive import Adaptive, AdaptiveConfig
 from ictamp_drake.planning.beliefs import Beliefs
-from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.rule import OpenPlan, Option
 from ictamp_drake.planning.tree import Opening, RunStep, Step, Tree
-from ictamp_drake.symbolic.context import GeneratorContext
-from ictamp_drake.symbolic.skeletons import BreadthFirst
-from tests.planning.test_adaptive import LOT, TINY, Parked, ParkingLot
+from tests.planning.test_adaptive import LOT, TINY, ParkingLot, search_parking_lot
 from tests.planning.test_golden_trees import CASES, GOLDEN
-from tests.toy_world import ADAPTIVE, RIGHT, UP, TableEstimator, TickingClock, ToyConfiguration, ToyWorld, toy_planner
+from tests.toy_world import ADAPTIVE, RIGHT, UP, TableEstimator, ToyConfiguration, ToyWorld, toy_planner
 
 Lineage = tuple[int, ...]
 Way = tuple[Action, ...]
@@ -350,15 +346,6 @@ def test_they_choose_every_step_where_boxes_are_in_the_way(lot: ParkingLot, pati
     """Failures name obstacles here, and the search asks for plans that move them first."""
     beliefs = replace(ADAPTIVE.beliefs, patience=patience)
     checked = Checked(replace(ADAPTIVE, beliefs=beliefs))
-    PlannerConfig(Budget(60.0, 60), rule=checked).create(
-        c=Parked(lot.problem.initial),
-        s=lot.problem.initial,
-        generator=BreadthFirst().create(GeneratorContext(lot.problem.domain, lot.problem.initial, lot.problem.goal)),
-        skills=lot,
-        estimator=Constant(1.0),
-        verify=lambda _: True,
-        rng=np.random.default_rng(0),
-        clock=TickingClock(),
-    ).run()
+    search_parking_lot(lot=lot, rule=checked, steps=60)
     asked = {option.obstructions for option in checked.chosen if isinstance(option, OpenPlan)}
     assert any(asked)

@@ -15,6 +15,7 @@ from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.beliefs import BeliefsConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.tree import Opening
 from ictamp_drake.symbolic.atoms import ON
 from ictamp_drake.symbolic.context import GeneratorContext
@@ -169,21 +170,27 @@ TINY = ParkingLot(
 )
 
 
-def search_parking_lot(patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT) -> PlanningResult[Parked]:
-    """Run a search in the parking lot."""
-    config = PlannerConfig(
-        Budget(60.0, 200), rule=replace(ADAPTIVE, beliefs=replace(ADAPTIVE.beliefs, patience=patience))
+def search_parking_lot(
+    patience: float = BeliefsConfig().patience, lot: ParkingLot = LOT, rule: RuleConfig | None = None, steps: int = 200
+) -> PlanningResult[Parked]:
+    """Run a search in the parking lot, by default with adaptive allocation of that patience."""
+    rule = rule or replace(ADAPTIVE, beliefs=replace(ADAPTIVE.beliefs, patience=patience))
+    return (
+        PlannerConfig(Budget(60.0, steps), rule=rule)
+        .create(
+            c=Parked(lot.problem.initial),
+            s=lot.problem.initial,
+            generator=BreadthFirst().create(
+                GeneratorContext(lot.problem.domain, lot.problem.initial, lot.problem.goal)
+            ),
+            skills=lot,
+            estimator=Constant(1.0),
+            verify=lambda _: True,
+            rng=np.random.default_rng(0),
+            clock=TickingClock(),
+        )
+        .run()
     )
-    return config.create(
-        c=Parked(lot.problem.initial),
-        s=lot.problem.initial,
-        generator=BreadthFirst().create(GeneratorContext(lot.problem.domain, lot.problem.initial, lot.problem.goal)),
-        skills=lot,
-        estimator=Constant(1.0),
-        verify=lambda _: True,
-        rng=np.random.default_rng(0),
-        clock=TickingClock(),
-    ).run()
 
 
 @pytest.mark.parametrize(("patience", "solved"), [(BeliefsConfig().patience, True), (math.inf, False)])
