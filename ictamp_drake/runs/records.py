@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.failures import Cause, Failure
+from ictamp_drake.core.files import refuse_unwritable
 from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.planning.result import StopReason
@@ -167,7 +168,7 @@ def append(record: Record, path: Path) -> None:
         IctampError: The write failed, e.g. because the disk is full. The file is as before.
     """
     line = json.dumps(dataclasses.asdict(record)) + "\n"
-    with path.open("ab", buffering=0) as file:
+    with refuse_unwritable(path), path.open("ab", buffering=0) as file:
         before = file.tell()
         try:
             if file.write(line.encode()) < len(line):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from pydrake.trajectories import Trajectory
 
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Attempt, Configuration
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.symbolic.goals import parse_goal
@@ -63,8 +64,10 @@ class Plan:
         The commands of the hand are in the segments of each attempt's motion.
 
         Raises:
-            ValueError: The plan is empty.
+            IctampError: The plan is empty, so that no motion is commanded.
         """
+        if not self.attempts:
+            raise IctampError(Code.EMPTY, "an empty plan commands no motion, so it has no trajectory")
         return arm_trajectory([segment for attempt in self.attempts for segment in attempt.motion])
 
     def system(self) -> "PlanSystem":

@@ -10,7 +10,7 @@ from ictamp_drake.core.seeding import Stream, generator
 from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.planning.events import Listener
-from ictamp_drake.planning.planner import PlannerConfig, Verify
+from ictamp_drake.planning.planner import Budget, PlannerConfig, Verify
 from ictamp_drake.planning.result import PlanningResult
 from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search is charged with it)
     ik_sampler,
@@ -83,7 +83,10 @@ def solve(
     stop: Callable[[], bool] = lambda: False,
     **options: Any,
 ) -> Solution:
-    """Search until a plan is found and executed, or the budget is spent.
+    """Search until a plan is found and executed, or the budget is spent. A goal that holds already takes no budget.
+
+    Drake's diagrams refer to each other, so only `gc.collect()` frees those of earlier solutions. Call it once per
+    problem in a loop of your own, which otherwise grows by some megabytes a problem; runs of this package do so.
 
     Args:
         task: Task to solve.
@@ -108,6 +111,8 @@ def solve(
         elapsed=task.setup_time_s + perf_counter() - started,
         cpu_elapsed=task.setup_cpu_time_s + process_time() - cpu_started,
     )
+    if task.goal <= task.s:  # the empty plan is found at once, however short the limits are
+        budget = Budget()
     planner = PlannerConfig(budget, method.max_expansions, method.rule_config).create(
         c=task.c,
         s=task.s,

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.failures import Cause, Failure
 from ictamp_drake.viz.drawing import Color, to_rgb
 
 Record = Mapping[str, Any]
@@ -21,6 +21,11 @@ CAUSE_COLORS: dict[Failure, Color] = dict(zip(Failure, map(to_rgb, f"{_TAB} {_DA
 """Color of each cause of failure: the dark colors of Matplotlib's tab20, then Dark2."""
 PLAN_COLORS: tuple[Color, ...] = tuple(map(to_rgb, _PALE.split()))
 """Colors of opened plans: Matplotlib's Set3."""
+
+
+def cause_color(cause: Cause) -> Color:
+    """Color of a cause of failure: gray for one that another version recorded."""
+    return CAUSE_COLORS[cause] if isinstance(cause, Failure) else to_rgb(LINE)
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class Stub:
 
     node: int
     action: str
-    causes: Counter[Failure]
+    causes: Counter[Cause]
     born: int
 
 
@@ -132,7 +137,7 @@ def _stubs(log: list[Record]) -> list[Stub]:
         if (failure := entry.get("failure")) is not None:
             node, action = entry["node"], entry["action"]
             stub = stubs.setdefault((node, action), Stub(node, action, Counter(), number))
-            stub.causes[Failure[failure]] += 1
+            stub.causes[Failure.__members__.get(failure, failure)] += 1
     return list(stubs.values())
 
 

@@ -7,9 +7,9 @@ cross stands for all failures of one action at one node. The opened plans are li
 from collections import Counter
 from pathlib import Path
 
-from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.failures import Cause
 from ictamp_drake.viz.drawing import Color, Drawing, Point, to_hex
-from ictamp_drake.viz.layout import CAUSE_COLORS, FOUND, LABEL, LINE, REFUSED, Layout, Record, Stub
+from ictamp_drake.viz.layout import FOUND, LABEL, LINE, REFUSED, Layout, Record, Stub, cause_color
 
 ROW, MARGIN, HEADER, SHELF = 0.3, 0.25, 0.75, 2.85  # sizes on paper [in]
 LETTER = 0.062  # width of a letter in labels [in]
@@ -60,10 +60,10 @@ class _Picture:
         text = " · ".join([*([title] if title else []), outcome, plans, steps, failed, nodes])
         x, y = -SHELF, HEADER + MARGIN - 0.2
         paper.text((x, y), text, "black", size=9, bold=True)
-        causes: Counter[Failure] = sum((stub.causes for stub in self.layout.stubs), Counter())
+        causes: Counter[Cause] = sum((stub.causes for stub in self.layout.stubs), Counter())
         for cause, times in causes.most_common():
             text = f"{cause} ({times})"
-            paper.dot((x + 0.05, y - 0.28), 5, shape="cross", edge=to_hex(CAUSE_COLORS[cause]), width=1.4)
+            paper.dot((x + 0.05, y - 0.28), 5, shape="cross", edge=to_hex(cause_color(cause)), width=1.4)
             paper.text((x + 0.14, y - 0.28), text, "black")
             x += 0.3 + LETTER * len(text)
 
@@ -119,6 +119,6 @@ class _Picture:
         end = self.place(stub.node)[0] + 0.38
         cause = stub.causes.most_common(1)[0][0]
         paper.line(self._edge(stub.node, end, y), LINE, 0.8, dashes=(2.4, 1.6))
-        paper.dot((end, y), 5, shape="cross", edge=to_hex(CAUSE_COLORS[cause]), width=1.4)
+        paper.dot((end, y), 5, shape="cross", edge=to_hex(cause_color(cause)), width=1.4)
         text = f"{stub.causes.total()}× {self.layout.labels[stub.action]}"
         paper.text((end + 0.09, y), text, LABEL)

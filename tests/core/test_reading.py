@@ -224,3 +224,8 @@ def test_an_error_survives_the_way_from_another_process() -> None:
     copy = pickle.loads(pickle.dumps(error))
     assert vars(copy) == vars(error)
     assert str(copy) == str(error)
+
+
+def test_a_path_with_nul_is_refused() -> None:
+    with refusal(Code.NOT_READABLE):
+        load_scene("a\0b.yaml")

@@ -21,6 +21,7 @@ from ictamp_drake.runs import sweep as sweep_module
 from ictamp_drake.runs import worker
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.conduct import Conduct
+from ictamp_drake.runs.engine import EngineConfig
 from ictamp_drake.runs.jobs import Job, Problem
 from ictamp_drake.runs.records import Record, append, read_records
 from ictamp_drake.runs.sweep import sweep
@@ -244,3 +245,20 @@ def test_a_second_ctrl_c_ends_a_job_in_this_process_at_once(
         interrupt_sweep(job, tmp_path / "out", times=2)
     assert not (tmp_path / "out" / "results.jsonl").exists()
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_record_without_any_room_ends_the_run_with_one_refusal_and_keeps_the_others(
+    job: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def append_one(record: Record, path: Path) -> None:
+        if path.exists() and read_records(path):
+            raise IctampError(Code.NOT_WRITABLE, "no room", file=path)
+        append(record, path)
+
+    monkeypatch.setattr(sweep_module, "append", append_one)
+    short = replace(job, method=SHORT)
+    jobs = [short, replace(short, problem=replace(short.problem, name="second"))]
+    with pytest.raises(IctampError) as refused:
+        sweep_module.sweep(jobs, tmp_path, Conduct(artefacts="none", engine=EngineConfig(workers=1)), lambda *_: None)
+    assert refused.value.code is Code.NOT_WRITABLE
+    assert list(read_records(tmp_path / "results.jsonl")) == ["scene"]

@@ -149,6 +149,8 @@ def test_an_empty_plan_is_read(plan: Plan, tmp_path: Path) -> None:
     replace(plan, attempts=()).save(path)
     empty = Plan.load(path)
     assert (len(empty), empty.duration, empty.c) == (0, 0, plan.c)
+    with refusal(Code.EMPTY):
+        empty.trajectory()
 
 
 def test_the_rest_of_a_plan_is_a_plan_that_starts_with_a_held_box(plan: Plan, tmp_path: Path) -> None:

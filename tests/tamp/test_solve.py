@@ -233,3 +233,11 @@ def test_what_was_learned_takes_part_in_the_search(scene: Path, tmp_path: Path, 
     assert result.low_level_steps == 2
     for step in result.tree.steps:
         assert step.attempt.k is not None
+
+
+def test_a_goal_that_holds_already_is_solved_whatever_the_limits() -> None:
+    method = Method(time_limit=0.0, cpu_limit=0.0)
+    nothing = Path(__file__).parents[1] / "scenes" / "cases" / "16-nothing-to-do.yaml"
+    solution = solve(load(nothing, method), method)
+    assert solution.plan is not None
+    assert len(solution.plan) == 0

@@ -55,3 +55,9 @@ def test_a_large_tree_with_refused_plans_and_many_openings_is_drawn(tmp_path: Pa
     svg = (tmp_path / "tree.svg").read_text()
     assert "not solved" in svg
     assert f"and {result.high_level_plans - 12} more plans" in svg
+
+
+def test_a_cause_of_another_version_is_drawn_too(door: dict[str, Any], tmp_path: Path) -> None:
+    log = [entry | {"failure": "MELTED"} if entry.get("failure") else entry for entry in door["log"]]
+    draw_tree({**door, "log": log}, tmp_path / "tree.svg")
+    assert "MELTED" in (tmp_path / "tree.svg").read_text()
