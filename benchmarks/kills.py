@@ -188,19 +188,22 @@ def check_stubs(folder: Path, count: int) -> Iterator[str]:
     for job in jobs:
         found = stubs.expected(job)
         if job.name in records and records[job.name].low_level_steps != found["low_level_steps"]:
-            yield f"{job.name} has a false record"
+            yield f"{job.problem.name} has a false record"
         if read(folder / job.name / "scene.yaml") != found["scene.yaml"]:
-            yield f"{job.name} has a false file"
+            yield f"{job.problem.name} has a false file"
 
 
 def check_real(folder: Path, undisturbed: Path) -> Iterator[str]:
     """Yield where the records and plans of a run differ from those of an undisturbed run."""
     expected, records = read_records(undisturbed / RESULTS), read_records(folder / RESULTS)
+    if len(expected) != REAL:
+        yield f"the undisturbed run has {len(expected)} of {REAL} records"
     yield from compare(folder, [record.problem for record in expected.values()])
     for name, record in expected.items():
         if name in records and timeless(records[name]) != timeless(record):
             yield f"{name} has another record"
-        if read(folder / name / "plan.yaml") != read(undisturbed / name / "plan.yaml"):
+        plan = read(undisturbed / name / "plan.yaml")
+        if record.solved != bool(plan) or read(folder / name / "plan.yaml") != plan:
             yield f"{name} has another plan"
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from ictamp_drake.runs import sweep as sweep_module
 from benchmarks.kills import check_stubs, disturb_stubs, read, start, stub_program, wait_for_workers
+from ictamp_drake.runs import sweep as sweep_module
 from ictamp_drake.runs.command import INTERRUPTED
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.engine import EngineConfig
