@@ -48,12 +48,15 @@ class Options:
     Attributes:
         kills: Number of kills.
         seed: Random seed of the moments and of the workers that are killed.
+        pause: Longest pause between the kills of stubs [s]. With the default most programs are killed while they load or
+            soon after.
         real: Whether to solve real problems.
         out: File of the table; by default none is written.
     """
 
     kills: int = 100
     seed: int = 0
+    pause: float = 1.2
     real: bool = False
     out: Path | None = None
 
@@ -207,14 +210,14 @@ def check_real(folder: Path, undisturbed: Path) -> Iterator[str]:
             yield f"{name} has another plan"
 
 
-def disturb_stubs(kills: int, seed: int, folder: Path, jobs: int = 100) -> Count:
+def disturb_stubs(kills: int, seed: int, folder: Path, *, pause: float, jobs: int = 100) -> Count:
     """Kill workers and programs of stubs, in as many runs as needed."""
     return _disturb(
         kills,
         seed,
         folder,
         program=lambda out: stub_program(out, jobs, 0.5, 0.5),
-        pause=1.2,
+        pause=pause,
         check=lambda out: check_stubs(out, jobs),
     )
 
@@ -266,8 +269,10 @@ def main() -> int:
     """Kill, check, and write the table."""
     options = tyro.cli(Options, description=__doc__)
     with TemporaryDirectory() as folder:
-        act = disturb_real if options.real else disturb_stubs
-        count = act(options.kills, options.seed, Path(folder))
+        if options.real:
+            count = disturb_real(options.kills, options.seed, Path(folder))
+        else:
+            count = disturb_stubs(options.kills, options.seed, Path(folder), pause=options.pause)
     text = report(count, shlex.join(["python", "-m", "benchmarks.kills", *sys.argv[1:]]))
     print(text)
     if options.out is not None:

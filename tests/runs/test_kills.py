@@ -92,7 +92,7 @@ def test_ctrl_c_while_the_workers_load_ends_the_program_without_a_record(tmp_pat
 
 @pytest.mark.slow
 def test_workers_and_programs_killed_at_random_moments_are_resumed_without_loss(tmp_path: Path) -> None:
-    count = disturb_stubs(kills=12, seed=2, folder=tmp_path, jobs=30)
+    count = disturb_stubs(kills=12, seed=2, folder=tmp_path, pause=4.0, jobs=30)
     assert count.faults == []
     assert count.kills.total() == 12
 
