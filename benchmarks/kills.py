@@ -48,8 +48,8 @@ class Options:
     Attributes:
         kills: Number of kills.
         seed: Random seed of the moments and of the workers that are killed.
-        pause: Longest pause between the kills of stubs [s]. With the default most programs are killed while they load or
-            soon after.
+        pause: Longest pause between the kills of stubs [s]. With the default most programs are killed while they load
+            or soon after.
         real: Whether to solve real problems.
         out: File of the table; by default none is written.
     """
