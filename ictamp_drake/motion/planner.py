@@ -9,6 +9,8 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.grip import bearable
+from ictamp_drake.motion.carrying import slow_down
 from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
@@ -16,6 +18,7 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.paths import find_path
 from ictamp_drake.motion.trajectory import Trajectory, sample
 from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryOptimizer
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
@@ -55,8 +58,12 @@ class MotionPlanner:
         scene: Collision queries for arm and held box.
     """
 
-    def __init__(self, world: World, config: MotionConfig | None = None) -> None:
+    def __init__(
+        self, world: World, config: MotionConfig | None = None, time_step: float = PhysicsConfig.time_step
+    ) -> None:
+        """Prepare to plan in a scene, for physics with a time step [s]."""
         self.config = config or MotionConfig()
+        self._time_step = time_step
         self.kinematics = ArmKinematics(to_transform(world.spec.arm.X_WB), self.config.kinematics)
         self.optimizer = TrajectoryOptimizer(self.config.trajectory)
         self.scene = CollisionScene(world, self.config.held_shrinkage, self.config.padding)
@@ -131,6 +138,21 @@ class MotionPlanner:
             if self._is_free(c, trajectory, padding):
                 return PlannedMotion(trajectory, stage)
         return Refusal.from_contact(Failure.NO_PATH, self._first_contact(c, free, padding))
+
+    def carry(self, trajectory: Trajectory, box: str, p_GO: FloatArray, force: float) -> Trajectory | Refusal:
+        """The trajectory, slower if the box would slide in the fingers; TOO_HEAVY if it would do so at any speed.
+
+        Args:
+            trajectory: Motion of the arm.
+            box: Name of the box in the hand.
+            p_GO: Position of the box's center in G, shape (3,) [m].
+            force: Grip force of each finger [N].
+        """
+        spec = self._world.spec.boxes[box]
+        most = bearable(force, spec.friction)
+        forward, config = self.kinematics.forward_all, self.config.carrying
+        slower = slow_down(trajectory, forward, p_GO, spec.mass, most, self._time_step, config)
+        return Refusal(Failure.TOO_HEAVY, "the box would turn in the fingers") if slower is None else slower
 
     def _candidates(
         self, c: Configuration, free: Trajectory, padding: float, rng: np.random.Generator

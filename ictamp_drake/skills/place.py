@@ -49,9 +49,18 @@ class Place:
         transfer = planner.transfer(c, c.commanded, back.trajectory.end, rng)
         if isinstance(transfer, Refusal):
             return transfer
+        p_GO = (X_WG0.inverse() @ to_transform(c.poses[box])).translation()
+        carried, lowered = (
+            planner.carry(trajectory, box, p_GO, c.gripper.force)
+            for trajectory in (transfer.trajectory, back.trajectory.reversed())
+        )
+        if isinstance(carried, Refusal):
+            return carried
+        if isinstance(lowered, Refusal):
+            return lowered
         return (
-            transfer.trajectory.segment("transfer", c.gripper, {box}),
-            back.trajectory.reversed().segment("lower", c.gripper, {box, receptacle}),
+            carried.segment("transfer", c.gripper, {box}),
+            lowered.segment("lower", c.gripper, {box, receptacle}),
             hold("release", q_place, c.gripper, opening, {box, receptacle}),
             retreat.segment("retreat", opening, ()),
         )

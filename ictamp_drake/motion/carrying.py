@@ -1,0 +1,65 @@
+"""Speed at which a box is carried between the fingers, such that it stays where it is in them."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.grip import GRAVITY, friction_load
+from ictamp_drake.motion.config import CarryingConfig
+from ictamp_drake.motion.trajectory import Trajectory
+
+_MOMENTS = 49
+"""Number of moments of a trajectory that are looked at."""
+_STEP = 1e-3
+"""Time step of finite differences [s]."""
+
+
+def slow_down(
+    trajectory: Trajectory,
+    forward: Callable[[FloatArray], FloatArray],
+    p_GO: FloatArray,
+    mass: float,
+    bearable: float,
+    time_step: float,
+    config: CarryingConfig,
+) -> Trajectory | None:
+    """The trajectory, slower if the box would slide in the fingers; None if it would do so at any speed.
+
+    Args:
+        trajectory: Motion of the arm.
+        forward: Function from many joint positions to X_WG, (n, 7) -> (n, 4, 4).
+        p_GO: Position of the box's center in G, shape (3,) [m].
+        mass: Mass of the box [kg].
+        bearable: Largest load on the friction of the pads [N].
+        time_step: Time step of physics [s].
+        config: Constants.
+    """
+    times = np.linspace(0.0, trajectory.duration, _MOMENTS)
+    R_WG, acceleration, bend = _accelerations(trajectory, forward, p_GO, times)
+    weight, push = (
+        friction_load(p_GO, mass * np.einsum("nji,nj->ni", R_WG, along))
+        for along in (np.broadcast_to([0.0, 0.0, GRAVITY], acceleration.shape), acceleration)
+    )
+    spare = bearable / config.reserve - weight
+    if np.any(spare <= 0):
+        return None
+    # At a speed lower by a factor, accelerations are lower by its square. Loads add up to no more than their sum.
+    held = np.sqrt(np.max(push / spare))
+    # A step takes the box along the tangent and the hand along the curve. The difference adds up to this slide.
+    slide = np.linalg.norm(np.einsum("nji,nj->ni", R_WG, bend)[:, [0, 2]].mean(axis=0)) * trajectory.duration
+    followed = slide * time_step / 2 / config.slide
+    return trajectory.slowed(max(1.0, held, followed))
+
+
+def _accelerations(
+    trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], p_GO: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """R_WG, shape (n, 3, 3), acceleration of the box's center in W, and the part due to the curved path, (n, 3)."""
+    q, v, a = trajectory.derivatives(times)
+    along, across = _STEP * v, _STEP**2 / 2 * a
+    X_WGs = forward(np.concatenate([q, q + along + across, q - along + across, q + along, q - along]))
+    now, after, before, ahead, behind = np.split(X_WGs[:, :3, :3] @ p_GO + X_WGs[:, :3, 3], 5)
+    acceleration = (after - 2 * now + before) / _STEP**2
+    bend = (ahead - 2 * now + behind) / _STEP**2
+    return X_WGs[: len(q), :3, :3], acceleration, bend
