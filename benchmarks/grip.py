@@ -1,8 +1,8 @@
 """How far boxes slide between the fingers, by mass and friction: `python benchmarks/grip.py`.
 
 Three boxes on a table are picked up with each mass and friction, held for 10 s, and carried to the rack, with the
-options for scenes of one's own. Then one of them is held and carried with fixed forces, and with finer time steps.
-Writes the tables to benchmarks/grip.md. Takes about three minutes on one core.
+options for scenes of one's own. Then with one mass and friction at fixed forces, and with finer time steps.
+Writes the tables to benchmarks/grip.md. Takes about five minutes on one core.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,19 +17,29 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Attempt, Configuration
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.models.kinematics import forward
+from ictamp_drake.motion.config import CarryingConfig
 from ictamp_drake.reports import markdown
 from ictamp_drake.scenes.levels import SUPPORTS
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
+from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.task import Task, load
 from ictamp_drake.world.commands import stand_still
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
 
 OUT = Path(__file__).with_suffix(".md")
 MASSES = (0.05, 0.2, 0.5, 1.0, 1.8, 3.0)
 FRICTIONS = (0.05, 0.2, 0.35, 0.6, 1.0, 2.0)
-SIZES = ((0.05, 0.05, 0.05), (0.055, 0.065, 0.13), (0.05, 0.12, 0.06))
-TALL = SIZES[1]
+BOXES = (
+    BoxSpec((0.05, 0.05, 0.05), (0.3, 0.36, 0.025), (0.0, 0.0, 0.0)),
+    BoxSpec((0.055, 0.065, 0.13), (0.5, 0.3, 0.065), (0.0, 0.0, 10.0)),
+    BoxSpec((0.05, 0.12, 0.06), (0.03, 0.38, 0.03), (0.0, 0.0, 60.0)),
+)
+HEAVY = (1.8, 0.35)
+"""Mass [kg] and friction of the box that is held with fixed forces and fine time steps."""
+SLIDING = 1e-3
+"""Reserve with which nothing is slowed down."""
 BOX = "brick"
 HOLD = 10.0
 """Time for which a box is held [s]."""
@@ -51,9 +61,9 @@ class Slide:
     turn: float
 
     @classmethod
-    def between(cls, before: Configuration, after: Configuration) -> "Slide":
-        """Compare two configurations."""
-        X_GO, Y_GO = pose_in_hand(before), pose_in_hand(after)
+    def between(cls, before: Configuration, after: Configuration, box: str = BOX) -> "Slide":
+        """Compare two configurations, with the arm at the origin."""
+        X_GO, Y_GO = pose_in_hand(before, box), pose_in_hand(after, box)
         center = Y_GO.translation() - X_GO.translation()
         turn = np.degrees((X_GO.rotation().inverse() @ Y_GO.rotation()).ToAngleAxis().angle())
         pads = Y_GO @ X_GO.inverse().translation()
@@ -88,15 +98,21 @@ class Measured:
     dropped: bool
 
 
-def pose_in_hand(c: Configuration) -> RigidTransform:
-    """X_GO of the box, with the arm at the origin."""
-    return RigidTransform(forward(c.q[None, :7])[0]).inverse() @ to_transform(c.poses[BOX])
+def pose_in_hand(c: Configuration, box: str) -> RigidTransform:
+    """X_GO of a box, with the arm at the origin."""
+    return RigidTransform(forward(c.q[None, :7])[0]).inverse() @ to_transform(c.poses[box])
 
 
-def make_scene(mass: float, friction: float, size: tuple[float, float, float] = TALL) -> SceneSpec:
+def make_scene(box: BoxSpec, mass: float, friction: float) -> SceneSpec:
     """One box on the table that belongs on the rack."""
-    box = BoxSpec(size, (0.48, 0.27, size[2] / 2), (0.0, 0.0, 20.0), mass, friction)
-    return SceneSpec(supports=SUPPORTS, boxes={BOX: box}, goal=f"(on {BOX} rack)")
+    boxes = {BOX: replace(box, mass=mass, friction=friction)}
+    return SceneSpec(supports=SUPPORTS, boxes=boxes, goal=f"(on {BOX} rack)")
+
+
+def measure_all(mass: float, friction: float, method: Method = METHOD) -> list[Measured]:
+    """Measure all boxes with one mass and friction, each with two grasps and transfers."""
+    tasks = [load(make_scene(box, mass, friction), method) for box in BOXES]
+    return [measure(task, method, seed) for task in tasks for seed in range(2)]
 
 
 def measure(task: Task, method: Method = METHOD, seed: int = 0) -> Measured:
@@ -131,48 +147,72 @@ def measure(task: Task, method: Method = METHOD, seed: int = 0) -> Measured:
 def find_grid() -> Iterator[list[str]]:
     """Yield a row for each mass and friction, with the worst of all boxes."""
     for mass, friction in product(MASSES, FRICTIONS):
+        first = [f"{mass:g}", f"{friction:g}"]
         try:
-            found = [measure(load(make_scene(mass, friction, size), METHOD)) for size in SIZES]
+            yield [*first, *list_cells(measure_all(mass, friction))]
         except IctampError as error:
             if error.code != Code.TOO_HEAVY:
                 raise
-            yield [f"{mass:g}", f"{friction:g}", "refused", *7 * ["-"]]
-            continue
-        yield list_cells([f"{mass:g}", f"{friction:g}"], found)
+            yield [*first, "refused", *7 * ["-"]]
 
 
 def find_forces() -> Iterator[list[str]]:
-    """Yield a row for each fixed force, without and with slower transfers."""
-    for force, reserve in product((30.0, 45.0, MAX_GRIP_FORCE), (None, METHOD.skills.motion.carrying.reserve)):
-        method = METHOD.with_options(skills=with_force(METHOD, force, reserve))
-        found = measure(load(make_scene(1.8, 0.35), method), method)
-        yield list_cells(["full" if reserve is None else "slowed down"], [found])
-
-
-def with_force(method: Method, force: float, reserve: float | None) -> object:
-    """Constants of skills that grip with one force, and slow transfers down only with a reserve."""
-    skills = method.skills
-    carrying = replace(skills.motion.carrying, reserve=reserve or 1.0, slide=0.0012 if reserve else 1.0)
-    return replace(skills, pick=replace(skills.pick, force=force, safety=0.0), motion=replace(skills.motion, carrying=carrying))
+    """Yield a row for each fixed force, at full speed and slowed down."""
+    slow = METHOD.skills.motion.carrying
+    for name, carrying in {"full": CarryingConfig(reserve=SLIDING, slide=1.0), "slowed down": slow}.items():
+        for force in (30.0, 40.0, 50.0, MAX_GRIP_FORCE):
+            skills = replace(METHOD.skills, motion=replace(METHOD.skills.motion, carrying=carrying))
+            method = METHOD.with_options(skills=replace(skills, pick=PickConfig(force=force, safety=0.0)))
+            yield [name, *list_cells(measure_all(*HEAVY, method))]
 
 
 def find_steps() -> Iterator[list[str]]:
-    """Yield a row for each time step, always with the motion of the longest one."""
+    """Yield a row for each time step of physics."""
     for step in (0.004, 0.002, 0.001):
-        method = METHOD.with_options(physics=replace(METHOD.physics, time_step=step))
-        yield list_cells([f"{1e3 * step:g}"], [measure(load(make_scene(1.8, 0.35), method), method)])
+        method = METHOD.with_options(physics=PhysicsConfig(time_step=step))
+        yield [f"{1e3 * step:g}", *list_cells(measure_all(*HEAVY, method))]
 
 
-def list_cells(first: list[str], found: Sequence[Measured]) -> list[str]:
-    """Cells of a row."""
-    forces = sorted({f"{each.force:.0f}" for each in found}, key=float)
-    held, carried = (Slide.worst([getattr(each, name) for each in found]) for name in ("held", "carried"))
+def list_cells(found: Sequence[Measured]) -> list[str]:
+    """Cells of a row: forces, the worst slides, and the longest transfer."""
+    forces = dict.fromkeys(f"{force:.0f}" for force in sorted(each.force for each in found))
+    force = " to ".join([*forces][:: max(1, len(forces) - 1)])
     if any(each.dropped for each in found):
-        return [*first, " to ".join({forces[0]: 0, forces[-1]: 0}), *6 * ["dropped"], "-"]
-    time = max(each.duration for each in found)
-    return [*first, " to ".join({forces[0]: 0, forces[-1]: 0}), *held.cells(), *carried.cells(), f"{time:.1f}"]
+        return [force, *6 * ["-"], "dropped"]
+    held, carried = (Slide.worst([getattr(each, name) for each in found]) for name in ("held", "carried"))
+    return [force, *held.cells(), *carried.cells(), f"{max(each.duration for each in found):.1f}"]
+
+
+def main() -> None:
+    """Measure and write the tables."""
+    slides = [f"{when}: {what}" for when in ("10 s", "transfer") for what in ("slide [mm]", "center [mm]", "turn [°]")]
+    columns = ["force [N]", *slides, "transfer [s]"]
+    heavy = "{:g} kg with friction {:g}".format(*HEAVY)
+    text = [
+        "# How far boxes slide between the fingers",
+        "",
+        "By `python benchmarks/grip.py`: three boxes, each at its own place on the table, are picked up, held for",
+        "10 s, and carried to the rack, all twice; the worst counts. Slide is the way of the point that was between",
+        "the pads, center that of the center of the box, which is farther when the box turns. In the transfer, the",
+        "largest at any time counts.",
+        "",
+        "## Mass and friction",
+        "",
+        "A box is refused when the hand cannot hold it with twice the friction that its weight takes.",
+        "",
+        *markdown.table(["mass [kg]", "friction", *columns], list(find_grid()), left=0),
+        "",
+        f"## Fixed forces: {heavy}",
+        "",
+        *markdown.table(["speed", *columns], list(find_forces())),
+        "",
+        f"## Time steps: {heavy}",
+        "",
+        *markdown.table(["step [ms]", *columns], list(find_steps()), left=0),
+    ]
+    OUT.write_text("\n".join(text) + "\n")
+    print(OUT.read_text())
 
 
 if __name__ == "__main__":
-    for row in find_grid():
-        print(row, flush=True)
+    main()

@@ -1,6 +1,7 @@
 """Speed at which a box is carried between the fingers, such that it stays where it is in them."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,12 +16,24 @@ _STEP = 1e-3
 """Time step of finite differences [s]."""
 
 
+class Load(NamedTuple):
+    """A box between the fingers.
+
+    Attributes:
+        p_GO: Position of its center in G, shape (3,) [m].
+        mass: Mass [kg].
+        bearable: Largest load on the friction of the pads [N].
+    """
+
+    p_GO: FloatArray
+    mass: float
+    bearable: float
+
+
 def slow_down(
     trajectory: Trajectory,
     forward: Callable[[FloatArray], FloatArray],
-    p_GO: FloatArray,
-    mass: float,
-    bearable: float,
+    box: Load,
     time_step: float,
     config: CarryingConfig,
 ) -> Trajectory | None:
@@ -29,26 +42,24 @@ def slow_down(
     Args:
         trajectory: Motion of the arm.
         forward: Function from many joint positions to X_WG, (n, 7) -> (n, 4, 4).
-        p_GO: Position of the box's center in G, shape (3,) [m].
-        mass: Mass of the box [kg].
-        bearable: Largest load on the friction of the pads [N].
+        box: Box in the hand.
         time_step: Time step of physics [s].
         config: Constants.
     """
     times = np.linspace(0.0, trajectory.duration, _MOMENTS)
-    R_WG, acceleration, bend = _accelerations(trajectory, forward, p_GO, times)
+    R_WG, acceleration, bend = _accelerations(trajectory, forward, box.p_GO, times)
     weight, push = (
-        friction_load(p_GO, mass * np.einsum("nji,nj->ni", R_WG, along))
+        friction_load(box.p_GO, box.mass * np.einsum("nji,nj->ni", R_WG, along))
         for along in (np.broadcast_to([0.0, 0.0, GRAVITY], acceleration.shape), acceleration)
     )
-    spare = bearable / config.reserve - weight
+    spare = box.bearable / config.reserve - weight
     if np.any(spare <= 0):
         return None
     # At a speed lower by a factor, accelerations are lower by its square. Loads add up to no more than their sum.
     held = np.sqrt(np.max(push / spare))
     # A step takes the box along the tangent and the hand along the curve. The difference adds up to this slide.
-    slide = np.linalg.norm(np.einsum("nji,nj->ni", R_WG, bend)[:, [0, 2]].mean(axis=0)) * trajectory.duration
-    followed = slide * time_step / 2 / config.slide
+    slides = np.cumsum(np.einsum("nji,nj->ni", R_WG, bend)[:, [0, 2]], axis=0) * time_step / 2 * times[1]
+    followed = np.linalg.norm(slides, axis=1).max() / config.slide
     return trajectory.slowed(max(1.0, held, followed))
 
 

@@ -148,7 +148,7 @@ class CarryingConfig:
     slide: float = 0.01
 
     def __post_init__(self) -> None:
-        check_fields(self, "skills.motion.carrying", reserve=(1, 100), slide=(1e-4, 1))
+        check_fields(self, "skills.motion.carrying", reserve=(1e-3, 100), slide=(1e-4, 1))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from pydrake.math import RigidTransform
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.grip import bearable
-from ictamp_drake.motion.carrying import slow_down
+from ictamp_drake.motion.carrying import Load, slow_down
 from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
@@ -139,20 +139,23 @@ class MotionPlanner:
                 return PlannedMotion(trajectory, stage)
         return Refusal.from_contact(Failure.NO_PATH, self._first_contact(c, free, padding))
 
-    def carry(self, trajectory: Trajectory, box: str, p_GO: FloatArray, force: float) -> Trajectory | Refusal:
-        """The trajectory, slower if the box would slide in the fingers; TOO_HEAVY if it would do so at any speed.
+    def carry(self, c: Configuration, *trajectories: Trajectory) -> tuple[Trajectory, ...] | Refusal:
+        """Trajectories with the box in the hand of c, slower where it would slide in the fingers.
 
-        Args:
-            trajectory: Motion of the arm.
-            box: Name of the box in the hand.
-            p_GO: Position of the box's center in G, shape (3,) [m].
-            force: Grip force of each finger [N].
+        Returns:
+            TOO_HEAVY when it would slide at any speed.
         """
-        spec = self._world.spec.boxes[box]
-        most = bearable(force, spec.friction)
-        forward, config = self.kinematics.forward_all, self.config.carrying
-        slower = slow_down(trajectory, forward, p_GO, spec.mass, most, self._time_step, config)
-        return Refusal(Failure.TOO_HEAVY, "the box would turn in the fingers") if slower is None else slower
+        assert c.held is not None
+        box = self._world.spec.boxes[c.held]
+        X_GO = self.kinematics.forward(c.q[:7]).inverse() @ to_transform(c.poses[c.held])
+        load = Load(X_GO.translation(), box.mass, bearable(c.gripper.force, box.friction))
+        carried: list[Trajectory] = []
+        for trajectory in trajectories:
+            slower = slow_down(trajectory, self.kinematics.forward_all, load, self._time_step, self.config.carrying)
+            if slower is None:
+                return Refusal(Failure.TOO_HEAVY, f"{c.held} would turn in the fingers")
+            carried.append(slower)
+        return tuple(carried)
 
     def _candidates(
         self, c: Configuration, free: Trajectory, padding: float, rng: np.random.Generator

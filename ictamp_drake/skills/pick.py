@@ -1,5 +1,7 @@
 """ψ_pick: approach, lower, grasp, lift."""
 
+from dataclasses import replace
+
 import numpy as np
 from pydrake.math import RigidTransform
 
@@ -30,8 +32,7 @@ class Pick:
         """The motion that grasps with parameter k from c, or the reason why there is none."""
         planner, box = self._planner, action.args[0]
         X_WG = grasp_pose(self._world, c, box, k)
-        p_GO = squared_grasp(k).translation()
-        force = self._grip_force(box, float(p_GO[0]))
+        force = self._grip_force(box, float(squared_grasp(k).translation()[0]))
         if isinstance(force, Refusal):
             return force
         grasp = GripperCommand(grip_width(self._world, c, box, k[3]), force)
@@ -47,14 +48,14 @@ class Pick:
         lift = planner.plan_straight(grasped, q_grasp, raise_pose(X_WG, self._config.lift))
         if isinstance(lift, Refusal):
             return lift
-        lifting = planner.carry(lift.trajectory, box, p_GO, force)
+        lifting = planner.carry(replace(grasped, gripper=grasp), lift.trajectory)
         if isinstance(lifting, Refusal):
             return lifting
         return (
             *approach,
             back.reversed().segment("lower", opening, ()),
             hold("grasp", q_grasp, opening, grasp, {box}),
-            lifting.segment("lift", grasp, {box}),
+            lifting[0].segment("lift", grasp, {box}),
         )
 
     def _grip_force(self, box: str, offset: float) -> float | Refusal:

@@ -295,7 +295,7 @@ class Method:
 SCENE_METHOD = Method(
     generator="best-first",
     planners=Planners(completion_tree=ProportionalConfig(W=3.0)),
-    skills=SkillsConfig(motion=MotionConfig(carrying=CarryingConfig(slide=0.0012))),
+    skills=SkillsConfig(motion=MotionConfig(carrying=CarryingConfig(slide=0.0015))),
 )
 """Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
