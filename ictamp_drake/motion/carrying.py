@@ -14,6 +14,8 @@ _MOMENTS = 49
 """Number of moments of a trajectory that are looked at."""
 _STEP = 1e-3
 """Time step of finite differences [s]."""
+_LEAST_SPARE = 0.02
+"""Least share of the friction that must be left for acceleration. With less, motions would take forever."""
 
 
 class Load(NamedTuple):
@@ -53,7 +55,7 @@ def slow_down(
         for along in (np.broadcast_to([0.0, 0.0, GRAVITY], acceleration.shape), acceleration)
     )
     spare = box.bearable / config.reserve - weight
-    if np.any(spare <= 0):
+    if np.any(spare < _LEAST_SPARE * box.bearable):
         return None
     # At a speed lower by a factor, accelerations are lower by its square. Loads add up to no more than their sum.
     held = np.sqrt(np.max(push / spare))
