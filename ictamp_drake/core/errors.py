@@ -37,6 +37,7 @@ class Code(StrEnum):
     OTHER_VERSION = "other-version"
     # Scenes and goals
     TOO_WIDE = "too-wide"
+    TOO_HEAVY = "too-heavy"
     OVERLAP = "overlap"
     NOT_CARRIED = "not-carried"
     NOT_HELD = "not-held"

@@ -9,6 +9,7 @@ class Failure(Enum):
     NO_INVERSE_KINEMATICS = "no inverse-kinematics solution"
     GOAL_IN_COLLISION = "grasp or placement in collision"
     NO_PATH = "no collision-free path"
+    TOO_HEAVY = "object too heavy for the grip"
     NOT_GRASPED = "object not grasped"
     SLIPPED = "object slipped"
     TOPPLED = "object toppled"
@@ -32,8 +33,9 @@ _ADVICE = {
     Failure.NO_INVERSE_KINEMATICS: "move the object or its receptacle to where the arm can reach it from above",
     Failure.GOAL_IN_COLLISION: "leave more room around the object, or around the place where it is to stand",
     Failure.NO_PATH: "leave the arm wider gaps between the objects",
-    Failure.NOT_GRASPED: "check the object's mass, friction and width, or raise --skills.pick.force",
-    Failure.SLIPPED: "check the object's mass and friction, or raise --skills.pick.force",
+    Failure.TOO_HEAVY: "give the object less mass or more friction",
+    Failure.NOT_GRASPED: "check the object's mass, friction and width, or raise --skills.pick.safety",
+    Failure.SLIPPED: "check the object's mass and friction, or raise --skills.pick.safety",
     Failure.TOPPLED: "place the object on a wider or firmer base",
     Failure.OTHER_MOVED: "leave more room between the objects",
     Failure.WRONG_STATE: "see the attempts in search.html",

@@ -134,6 +134,24 @@ class TrajectoryConfig:
 
 
 @dataclass(frozen=True)
+class CarryingConfig:
+    """Constants of the speed at which a box is carried.
+
+    Attributes:
+        reserve: Minimum ratio of what the friction of the fingers can bear to what it bears. Motions that would go
+            below it are slowed down.
+        slide: Longest slide of a held box that the time step of physics may cause in one motion [m]. Motions in which
+            it would be longer are slowed down.
+    """
+
+    reserve: float = 1.25
+    slide: float = 0.01
+
+    def __post_init__(self) -> None:
+        check_fields(self, "skills.motion.carrying", reserve=(1e-3, 100), slide=(1e-4, 1))
+
+
+@dataclass(frozen=True)
 class MotionConfig:
     """Constants of motion planning.
 
@@ -141,6 +159,7 @@ class MotionConfig:
         kinematics: Constants of inverse kinematics.
         trajectory: Constants of trajectories.
         path: Constants of sampled paths.
+        carrying: Constants of the speed at which a box is carried.
         step: Longest motion of the hand between two collision checks [m].
         turn: Largest turn of the hand and of each joint between two collision checks [rad].
         padding: Distance that transfers keep from the scene, or less if their ends are nearer [m].
@@ -157,6 +176,7 @@ class MotionConfig:
     kinematics: KinematicsConfig = KinematicsConfig()
     trajectory: TrajectoryConfig = TrajectoryConfig()
     path: PathConfig = PathConfig()
+    carrying: CarryingConfig = CarryingConfig()
     step: float = 0.01
     turn: float = 0.02
     padding: float = 0.005

@@ -9,6 +9,8 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.grip import bearable
+from ictamp_drake.motion.carrying import Load, slow_down
 from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
@@ -16,6 +18,7 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.paths import find_path
 from ictamp_drake.motion.trajectory import Trajectory, sample
 from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryOptimizer
+from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
@@ -55,8 +58,12 @@ class MotionPlanner:
         scene: Collision queries for arm and held box.
     """
 
-    def __init__(self, world: World, config: MotionConfig | None = None) -> None:
+    def __init__(
+        self, world: World, config: MotionConfig | None = None, time_step: float = PhysicsConfig.time_step
+    ) -> None:
+        """Prepare to plan in a scene, for physics with a time step [s]."""
         self.config = config or MotionConfig()
+        self._time_step = time_step
         self.kinematics = ArmKinematics(to_transform(world.spec.arm.X_WB), self.config.kinematics)
         self.optimizer = TrajectoryOptimizer(self.config.trajectory)
         self.scene = CollisionScene(world, self.config.held_shrinkage, self.config.padding)
@@ -131,6 +138,24 @@ class MotionPlanner:
             if self._is_free(c, trajectory, padding):
                 return PlannedMotion(trajectory, stage)
         return Refusal.from_contact(Failure.NO_PATH, self._first_contact(c, free, padding))
+
+    def carry(self, c: Configuration, *trajectories: Trajectory) -> tuple[Trajectory, ...] | Refusal:
+        """Trajectories with the box in the hand of c, slower where it would slide in the fingers.
+
+        Returns:
+            TOO_HEAVY when it would slide at any speed.
+        """
+        assert c.held is not None
+        box = self._world.spec.boxes[c.held]
+        X_GO = self.kinematics.forward(c.q[:7]).inverse() @ to_transform(c.poses[c.held])
+        load = Load(X_GO.translation(), box.mass, bearable(c.gripper.force, box.friction))
+        carried: list[Trajectory] = []
+        for trajectory in trajectories:
+            slower = slow_down(trajectory, self.kinematics.forward_all, load, self._time_step, self.config.carrying)
+            if slower is None:
+                return Refusal(Failure.TOO_HEAVY, f"{c.held} would turn in the fingers")
+            carried.append(slower)
+        return tuple(carried)
 
     def _candidates(
         self, c: Configuration, free: Trajectory, padding: float, rng: np.random.Generator

@@ -13,6 +13,7 @@ from ictamp_drake.core.checks import check_fields, check_interval, check_range, 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
+from ictamp_drake.models.grip import LEAST_FORCE, SAFETY
 from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.observation.situations import LIFT
@@ -190,20 +191,22 @@ class PickConfig:
     """Constants of a pick.
 
     Attributes:
-        force: Grip force of each finger [N].
+        force: Minimum grip force of each finger [N]. A heavy or smooth box is gripped harder, up to the hand's limit.
+        safety: Ratio of what the friction of the fingers can bear to the weight of the box, with which it is gripped.
         clearances: Distances between box and fingers as the hand comes down [m]. The first one that the neighbors leave
             room for is used.
         margin: Height of the finger tips above the box before they are lowered [m].
         lift: Rise of the hand with the box [m].
     """
 
-    force: float = 30.0
+    force: float = LEAST_FORCE
+    safety: float = SAFETY
     clearances: tuple[float, ...] = CLEARANCES
     margin: float = 0.015
     lift: float = LIFT
 
     def __post_init__(self) -> None:
-        check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), margin=(0, 1), lift=(1e-3, 1))
+        check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), safety=(0, 100), margin=(0, 1), lift=(1e-3, 1))
         check_clearances("skills.pick.clearances", self.clearances)
 
     def create(self, context: SkillContext) -> "Pick":
@@ -265,7 +268,7 @@ class SkillsConfig:
         from ictamp_drake.motion.planner import MotionPlanner
         from ictamp_drake.skills.runner import Skills
 
-        planner = MotionPlanner(world, self.motion)
+        planner = MotionPlanner(world, self.motion, physics.config.time_step)
         configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
         skills = {name: config.create(SkillContext(world, planner)) for name, config in configs.items()}
         drawing = sampler.create(SamplerContext(world, planner.kinematics))

@@ -1,10 +1,14 @@
 """ψ_pick: approach, lower, grasp, lift."""
 
+from dataclasses import replace
+
 import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
+from ictamp_drake.models.constants import MAX_GRIP_FORCE
+from ictamp_drake.models.grip import needed_force
 from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
@@ -28,7 +32,10 @@ class Pick:
         """The motion that grasps with parameter k from c, or the reason why there is none."""
         planner, box = self._planner, action.args[0]
         X_WG = grasp_pose(self._world, c, box, k)
-        grasp = GripperCommand(grip_width(self._world, c, box, k[3]), self._config.force)
+        force = self._grip_force(box, float(squared_grasp(k).translation()[0]))
+        if isinstance(force, Refusal):
+            return force
+        grasp = GripperCommand(grip_width(self._world, c, box, k[3]), force)
         way = self._way_up(c, box, X_WG, k)
         if isinstance(way, Refusal):
             return way
@@ -41,12 +48,23 @@ class Pick:
         lift = planner.plan_straight(grasped, q_grasp, raise_pose(X_WG, self._config.lift))
         if isinstance(lift, Refusal):
             return lift
+        lifting = planner.carry(replace(grasped, gripper=grasp), lift.trajectory)
+        if isinstance(lifting, Refusal):
+            return lifting
         return (
             *approach,
             back.reversed().segment("lower", opening, ()),
             hold("grasp", q_grasp, opening, grasp, {box}),
-            lift.trajectory.segment("lift", grasp, {box}),
+            lifting[0].segment("lift", grasp, {box}),
         )
+
+    def _grip_force(self, box: str, offset: float) -> float | Refusal:
+        """Grip force of each finger [N] that holds the box `offset` [m] beside its center."""
+        spec, config = self._world.spec.boxes[box], self._config
+        least = needed_force(spec.mass, spec.friction, safety=config.safety)
+        if least > MAX_GRIP_FORCE:
+            return Refusal(Failure.TOO_HEAVY, f"it needs {least:.0f} N, and the hand has {MAX_GRIP_FORCE:g} N")
+        return max(config.force, min(MAX_GRIP_FORCE, needed_force(spec.mass, spec.friction, offset, config.safety)))
 
     def _way_up(
         self, c: Configuration, box: str, X_WG: RigidTransform, k: Parameter

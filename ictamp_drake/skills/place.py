@@ -46,15 +46,21 @@ class Place:
         if isinstance(way, Refusal):
             return way
         opening, retreat = way
-        transfer = planner.transfer(c, c.commanded, back.trajectory.end, rng)
-        if isinstance(transfer, Refusal):
-            return transfer
+        carried = self._carry(c, back.trajectory.reversed(), rng)
+        if isinstance(carried, Refusal):
+            return carried
+        transfer, lower = carried
         return (
-            transfer.trajectory.segment("transfer", c.gripper, {box}),
-            back.trajectory.reversed().segment("lower", c.gripper, {box, receptacle}),
+            transfer.segment("transfer", c.gripper, {box}),
+            lower.segment("lower", c.gripper, {box, receptacle}),
             hold("release", q_place, c.gripper, opening, {box, receptacle}),
             retreat.segment("retreat", opening, ()),
         )
+
+    def _carry(self, c: Configuration, lower: Trajectory, rng: np.random.Generator) -> tuple[Trajectory, ...] | Refusal:
+        """The way to where the hand is lowered, and that of lowering it, as fast as the grip allows."""
+        transfer = self._planner.transfer(c, c.commanded, lower.start, rng)
+        return transfer if isinstance(transfer, Refusal) else self._planner.carry(c, transfer.trajectory, lower)
 
     def _way_up(
         self, placed: Configuration, fitting: Sequence[GripperCommand], X_WG: RigidTransform

@@ -18,6 +18,7 @@ from ictamp_drake.estimators.context import EstimatorConfig
 from ictamp_drake.estimators.monte_carlo import MonteCarloConfig
 from ictamp_drake.estimators.p_score import PScoreConfig
 from ictamp_drake.estimators.q_value import QValueConfig
+from ictamp_drake.motion.config import CarryingConfig, MotionConfig
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.els import ElsConfig
 from ictamp_drake.planning.planner import Budget, PlannerConfig
@@ -291,10 +292,15 @@ class Method:
         return Budget(max(0.0, self.time_limit - elapsed), self.max_steps, cpu_seconds)
 
 
-SCENE_METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
+SCENE_METHOD = Method(
+    generator="best-first",
+    planners=Planners(completion_tree=ProportionalConfig(W=3.0)),
+    skills=SkillsConfig(motion=MotionConfig(carrying=CarryingConfig(slide=0.0015))),
+)
 """Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
 thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first
-search and 30 (`benchmarks/opening.py`).
+search and 30 (`benchmarks/opening.py`). Boxes are carried slowly enough to stay where they are in the fingers
+(`benchmarks/grip.py`).
 """

@@ -1,13 +1,16 @@
 """Turn a scene into a task, which holds everything that planning needs."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
 from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import Atom, Configuration, State
+from ictamp_drake.models.grip import check_weight
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
+from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
@@ -71,7 +74,8 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
         where: Name of the scene in errors, usually its file.
 
     Raises:
-        IctampError: The scene or its goal is not valid; one sentence says why.
+        IctampError: The scene or its goal is not valid, or the goal moves a box that the hand cannot hold; one sentence
+            says why.
     """
     started, cpu_started = perf_counter(), process_time()
     with in_file(where):
@@ -81,7 +85,16 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
         abstraction = SceneAbstraction(world, method.predicates)
         c, s = start_configuration(world, abstraction, physics)
         check_goal(goal, s)
+        check_weights(spec, {atom.args[0] for atom in goal - s}, method)
         roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
         domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
     seconds, cpu_seconds = perf_counter() - started, process_time() - cpu_started
     return Task(spec, world, physics, abstraction, c, s, goal, domain, seconds, cpu_seconds)
+
+
+def check_weights(spec: SceneSpec, boxes: Iterable[str], method: Method) -> None:
+    """Raise IctampError when the hand cannot hold one of the boxes, with the safety of the method's own pick."""
+    if isinstance(method.skills.pick, PickConfig):
+        for name in sorted(boxes):
+            box = spec.boxes[name]
+            check_weight(box.mass, box.friction, f"boxes.{name}", method.skills.pick.safety)

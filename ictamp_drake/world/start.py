@@ -4,6 +4,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.models.constants import ARM_LIMITS
+from ictamp_drake.models.grip import check_weight
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import Touch, World
@@ -20,13 +21,15 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
 
     Raises:
         IctampError: A joint is beyond its limits, bodies overlap, nothing carries a box, the hand does not hold the
-            box of `start.held`, or the scene is not at rest.
+            box of `start.held` or cannot hold it, or the scene is not at rest.
     """
     _check_joints(world)
     c, held = world.initial_configuration(), world.spec.start.held
     check_overlaps(world, c, "boxes")
     state = abstraction(c)
     _check_carried(world, state)
+    if held:
+        check_weight(world.spec.boxes[held].mass, world.spec.boxes[held].friction, f"boxes.{held}")
     if held and Atom("in-hand", (held,)) not in state:
         problem = "expected a box between the fingers that rests on nothing, got {value}"
         raise IctampError(Code.NOT_HELD, problem, field="start.held", value=held)

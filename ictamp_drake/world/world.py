@@ -7,7 +7,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand
-from ictamp_drake.models.constants import HOME
+from ictamp_drake.models.constants import HOME, MAX_GRIP_FORCE
+from ictamp_drake.models.grip import LEAST_FORCE, needed_force
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
@@ -18,8 +19,6 @@ from ictamp_drake.world.poses import to_transform
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts. Names of boxes and supports have no spaces, so they cannot clash."""
 ROBOT = frozenset({ARM, *FINGERS})
-HOLDING_FORCE = 30.0
-"""Grip force of each finger on a box held at the start [N]."""
 
 
 class Touch(NamedTuple):
@@ -79,17 +78,18 @@ class World:
         poses = {name: box.X_WO for name, box in self.spec.boxes.items()}
         if not start.held:
             return Configuration(np.append(arm, [MAX_OPENING / 2] * 2), poses)
-        width, fingers = self._grip(arm, start.held, poses[start.held])
-        gripper = GripperCommand(width, HOLDING_FORCE)
+        gripper, fingers = self._grip(arm, start.held, poses[start.held])
         return Configuration(np.append(arm, fingers), poses, start.held, gripper, commanded=arm)
 
-    def _grip(self, arm: FloatArray, box: str, X_WO: FloatArray) -> tuple[float, FloatArray]:
-        """Return the width of the box between the fingers [m] and the finger positions that just touch it, (2,) [m]."""
+    def _grip(self, arm: FloatArray, box: str, X_WO: FloatArray) -> tuple[GripperCommand, FloatArray]:
+        """Return the command that holds the box, and the finger positions that just touch it, shape (2,) [m]."""
         X_WG = to_transform(self.spec.arm.X_WB) @ RigidTransform(forward(arm[None])[0])
         X_GO = X_WG.inverse() @ to_transform(X_WO)
         half = float(np.abs(X_GO.rotation().matrix()[1]) @ self.sizes[box]) / 2
-        middle = float(X_GO.translation()[1])  # the left finger is on the side of positive y
-        return 2 * half, np.clip([half + middle, half - middle], 0.0, MAX_OPENING / 2)
+        offset, middle, _ = X_GO.translation()  # the left finger is on the side of positive y
+        spec = self.spec.boxes[box]
+        force = float(np.clip(needed_force(spec.mass, spec.friction, offset), LEAST_FORCE, MAX_GRIP_FORCE))
+        return GripperCommand(2 * half, force), np.clip([half + middle, half - middle], 0.0, MAX_OPENING / 2)
 
     def set_configuration(self, c: Configuration) -> None:
         """Set the context to c."""

@@ -120,6 +120,7 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "a name that YAML takes for a truth value": [("  red_box:", "  on:")],
     "no boxes": [(RED_BOX, "  {}")],
     "no goal": [("(on red_box rack)", "''")],
+    "a box that is too heavy": [("mass: 0.1, friction: 0.6", "mass: 3, friction: 0.2")],
     "a box that is too wide": [("[0.05, 0.05, 0.118]", "[0.09, 0.08, 0.05]")],
     "brackets that are open": [("seed: 0", "seed: [0")],
     "a tag that is wrong": [("seed: 0", "seed: !!int abc")],

@@ -1,0 +1,78 @@
+"""Speed at which a box is carried between the fingers, such that it stays where it is in them."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.grip import GRAVITY, friction_load
+from ictamp_drake.motion.config import CarryingConfig
+from ictamp_drake.motion.trajectory import Trajectory
+
+_MOMENTS = 49
+"""Number of moments of a trajectory that are looked at."""
+_STEP = 1e-3
+"""Time step of finite differences [s]."""
+_LEAST_SPARE = 0.02
+"""Least share of the friction that must be left for acceleration. With less, motions would take forever."""
+
+
+class Load(NamedTuple):
+    """A box between the fingers.
+
+    Attributes:
+        p_GO: Position of its center in G, shape (3,) [m].
+        mass: Mass [kg].
+        bearable: Largest load on the friction of the pads [N].
+    """
+
+    p_GO: FloatArray
+    mass: float
+    bearable: float
+
+
+def slow_down(
+    trajectory: Trajectory,
+    forward: Callable[[FloatArray], FloatArray],
+    box: Load,
+    time_step: float,
+    config: CarryingConfig,
+) -> Trajectory | None:
+    """The trajectory, slower if the box would slide in the fingers; None if it would do so at any speed.
+
+    Args:
+        trajectory: Motion of the arm.
+        forward: Function from many joint positions to X_WG, (n, 7) -> (n, 4, 4).
+        box: Box in the hand.
+        time_step: Time step of physics [s].
+        config: Constants.
+    """
+    times = np.linspace(0.0, trajectory.duration, _MOMENTS)
+    R_WG, acceleration, bend = _accelerations(trajectory, forward, box.p_GO, times)
+    weight, push = (
+        friction_load(box.p_GO, box.mass * np.einsum("nji,nj->ni", R_WG, along))
+        for along in (np.broadcast_to([0.0, 0.0, GRAVITY], acceleration.shape), acceleration)
+    )
+    spare = box.bearable / config.reserve - weight
+    if np.any(spare < _LEAST_SPARE * box.bearable):
+        return None
+    # At a speed lower by a factor, accelerations are lower by its square. Loads add up to no more than their sum.
+    held = np.sqrt(np.max(push / spare))
+    # A step takes the box along the tangent and the hand along the curve. The difference adds up to this slide.
+    slides = np.cumsum(np.einsum("nji,nj->ni", R_WG, bend)[:, [0, 2]], axis=0) * time_step / 2 * times[1]
+    followed = np.linalg.norm(slides, axis=1).max() / config.slide
+    return trajectory.slowed(max(1.0, held, followed))
+
+
+def _accelerations(
+    trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], p_GO: FloatArray, times: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """R_WG, shape (n, 3, 3), acceleration of the box's center in W, and the part due to the curved path, (n, 3)."""
+    q, v, a = trajectory.derivatives(times)
+    along, across = _STEP * v, _STEP**2 / 2 * a
+    X_WGs = forward(np.concatenate([q, q + along + across, q - along + across, q + along, q - along]))
+    now, after, before, ahead, behind = np.split(X_WGs[:, :3, :3] @ p_GO + X_WGs[:, :3, 3], 5)
+    acceleration = (after - 2 * now + before) / _STEP**2
+    bend = (ahead - 2 * now + behind) / _STEP**2
+    return X_WGs[: len(q), :3, :3], acceleration, bend
