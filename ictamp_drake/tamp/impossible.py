@@ -1,0 +1,85 @@
+"""Actions that every plan of a task needs and that cannot be done, found by a sweep before the search."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import cache
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action
+from ictamp_drake.motion.columns import OUT_OF_REACH
+from ictamp_drake.planning.result import ActionReport
+from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
+from ictamp_drake.skills.grid import Face, Sweep
+from ictamp_drake.symbolic.atoms import held_box, objects_beneath, supporters
+from ictamp_drake.symbolic.guides import MoveCount
+from ictamp_drake.tamp.task import Task
+
+
+def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...]:
+    """Return reports of the actions that every plan needs and for which no parameter on the grid is free.
+
+    Only the package's own skills are swept.
+    """
+    if type(skills.pick) is not PickConfig or type(skills.place) is not PlaceConfig or task.goal <= task.s:
+        return ()
+    return tuple(_Needs(task, skills, skills.pick, skills.place).impossible())
+
+
+class _Needs:
+    """Picks from initial poses and placements of the goal that every plan needs."""
+
+    def __init__(self, task: Task, skills: SkillsConfig, pick: PickConfig, place: PlaceConfig) -> None:
+        self._task = task
+        self._sweep = Sweep(task.world, skills.motion, pick, place)
+        self._refuse_grasps = cache(lambda box: self._sweep.refuse_grasps(task.c, box))
+        self._target = {atom.args[0]: atom.args[1] for atom in task.goal}
+        self._supporter = supporters(task.s)
+        self._to_move = MoveCount(task.domain, task.goal, 1.0).list_to_move(task.s, self._supporter)
+
+    def impossible(self) -> Iterator[ActionReport]:
+        """Yield a report of each needed action that is impossible."""
+        for box in sorted(self._to_move):
+            if (refused := self._refuse_grasps(box)) is not None:
+                yield _report(Action("pick", (box, self._supporter[box])), refused)
+        for box in sorted({*self._to_move, held_box(self._task.s)} & self._target.keys()):
+            refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._faces(box)]
+            refused = [each for each in refusals if each is not None]
+            if refused and len(refused) == len(refusals):
+                yield _report(Action("place", (box, self._target[box])), sum(refused, Counter[str]()))
+
+    def _faces(self, box: str) -> list[Face]:
+        """Places of the box in the goal, one of which it will have; none if they are not known."""
+        world, c = self._task.world, self._task.c
+        beneath = list(objects_beneath(box, self._target))
+        lower = [name for name in beneath if name in world.sizes]
+        fixed = next((name for name in lower if self._is_stuck(name)), None)
+        if fixed is not None:
+            lower = lower[: lower.index(fixed)]
+            bases = [fixed]
+        elif beneath[-1] in world.spec.supports:
+            bases = beneath[-1:]
+        else:
+            spare = world.sizes.keys() - {box, *lower}
+            bases = [] if spare else list(world.spec.supports)
+        sizes = [world.upright_frame(c, name).size for name in lower]
+        height = sum(float(size[2]) for size in sizes)
+        play = sum(float(np.linalg.norm(size[:2])) / 2 for size in sizes)
+        return [
+            Face(world.X_WT(c, base) @ RigidTransform([0.0, 0.0, height]), world.top_size(c, base) / 2 + play)
+            for base in bases
+        ]
+
+    def _is_stuck(self, box: str) -> bool:
+        """Whether the box can never leave its initial pose, because it cannot be grasped, or one above it cannot."""
+        above = (name for name in self._supporter if box in (name, *objects_beneath(name, self._supporter)))
+        return box in self._supporter and any(self._refuse_grasps(name) is not None for name in above)
+
+
+def _report(action: Action, refused: Mapping[str, int]) -> ActionReport:
+    total, unreached = sum(refused.values()), refused.get(OUT_OF_REACH, 0)
+    failures = {Failure.GOAL_IN_COLLISION: total - unreached, Failure.NO_INVERSE_KINEMATICS: unreached}
+    obstacles = {name: count for name, count in refused.items() if name != OUT_OF_REACH}
+    return ActionReport(action, total, +Counter(failures), obstacles=+Counter(obstacles))
