@@ -21,17 +21,12 @@ from ictamp_drake.motion.columns import OUT_OF_REACH, Columns
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.base import imagine, openings
-from ictamp_drake.skills.config import PickConfig, PlaceConfig
+from ictamp_drake.skills.config import GRID_STEP, GRID_TURN, PickConfig, PlaceConfig
 from ictamp_drake.skills.geometry import grasp_in_box, level_pose, raise_pose
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
-STEP = 0.005
-"""Distance of neighboring positions on the grid [m]."""
-TURN = 10.0
-"""Difference of neighboring yaws on the grid [deg]."""
-
-_YAWS: FloatArray = np.deg2rad(np.arange(0, 360, TURN))
+_YAWS: FloatArray = np.deg2rad(np.arange(0, 360, GRID_TURN))
 _MOST = 3000
 """Number of columns, and of hand poses, after which the question stays open."""
 _FIRST = 40
@@ -323,8 +318,8 @@ def _alone(c: Configuration, box: str) -> Configuration:
 
 def _steps(half: float) -> FloatArray:
     """Positions of the grid from -half to half, 0 among them, the middle first [m]."""
-    count = int(half / STEP + 1e-6)
-    return STEP * np.array(sorted(range(-count, count + 1), key=abs))
+    count = int(half / GRID_STEP + 1e-6)
+    return GRID_STEP * np.array(sorted(range(-count, count + 1), key=abs))
 
 
 def _spots(half: FloatArray) -> FloatArray:
@@ -335,6 +330,6 @@ def _spots(half: FloatArray) -> FloatArray:
 
 def _depths(height: float) -> list[float]:
     """Distances of G below the top of a box at which the pads touch it, the easiest first [m]."""
-    depths = np.arange(-PAD_HALF_HEIGHT + STEP / 2, height, STEP)
+    depths = np.arange(-PAD_HALF_HEIGHT + GRID_STEP / 2, height, GRID_STEP)
     easy = min(_EASY_DEPTH, height - TIP)  # which keeps the tips off what the box rests on
     return sorted(depths.tolist(), key=lambda depth: abs(depth - easy))

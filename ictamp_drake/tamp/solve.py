@@ -11,7 +11,8 @@ from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import PlannerConfig, Verify
-from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.planning.result import ActionReport, PlanningResult, StopReason
+from ictamp_drake.planning.tree import Tree
 from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search is charged with it)
     ik_sampler,
     pick,
@@ -22,6 +23,7 @@ from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search 
 )
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.explanation import Explanation
+from ictamp_drake.tamp.impossible import find_impossible
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.tamp.plan_origin import Origin
@@ -85,6 +87,8 @@ def solve(
 ) -> Solution:
     """Search until a plan is found and executed, or the budget is spent.
 
+    With `sweep`, there is no search if an action that every plan needs is impossible.
+
     Args:
         task: Task to solve.
         method: Method that solves the task.
@@ -120,12 +124,17 @@ def solve(
         listeners=listeners,
         stop=stop,
     )
+    impossible = find_impossible(task, method.skills) if method.sweep else ()
     setup = task.setup_cpu_time_s + process_time() - cpu_started
-    result = planner.run()
+    result = planner.run() if not impossible else _no_search(task, impossible)
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
     planning = task.setup_time_s + perf_counter() - started
     cpu_time = task.setup_cpu_time_s + process_time() - cpu_started
     return Solution(task, result, planning, cpu_time, setup, geometric, method)
+
+
+def _no_search(task: Task, impossible: tuple[ActionReport, ...]) -> PlanningResult[Configuration]:
+    return PlanningResult(Tree(task.c, task.s), StopReason.IMPOSSIBLE, 0.0, {}, None, impossible=impossible)
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:
