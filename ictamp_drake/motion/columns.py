@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.hand import CORE
+from ictamp_drake.models.hand import CORE, FINGERS
 from ictamp_drake.models.shapes import support_shapes
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -23,45 +23,23 @@ _RING, _FARTHEST = 0.005, 1.0
 
 
 class Columns:
-    """Places of a hand that points down, by what keeps the hand or the arm away from them.
+    """Collisions of hand and arm with what never moves, at places where the hand points down.
 
     The last joint turns the hand alone, so hand and arm are tested apart: the hand at every yaw, and the other links in
     every posture.
 
     Attributes:
-        arm: Kinematics of the arm.
-        hand: Collisions of hand and fingers alone.
+        hand: Collisions of the hand with its fingers alone.
+        palm: Collisions of the hand without its fingers.
+        links: Collisions of the links that do not turn with the hand.
     """
 
     def __init__(self, world: World, arm: ArmKinematics) -> None:
-        self.arm = arm
         self.hand = CollisionScene(world, padding=0.0, without=_LINKS)
-        self._palm = CollisionScene(world, padding=0.0, without=(*_LINKS, *_FINGERS))
-        self._links = CollisionScene(world, padding=0.0, without=(*_HAND, *_FINGERS))
+        self.palm = CollisionScene(world, padding=0.0, without=(*_LINKS, *_FINGERS))
+        self.links = CollisionScene(world, padding=0.0, without=(*_HAND, *_FINGERS))
+        self._arm = arm
         self._spec = world.spec
-
-    def free_yaws(self, c: Configuration, X_WG: RigidTransform, turns: FloatArray) -> list[int] | str:
-        """Find the yaws at which the palm is free where some posture of the arm is, whatever the last joint's limits.
-
-        Args:
-            c: Configuration of what stands around.
-            X_WG: Pose of G, pointing down, for a turn of 0.
-            turns: Turns of the hand about W's z, shape (n,) [rad].
-
-        Returns:
-            Indices of the turns; if there is none, the name of an obstacle, or `OUT_OF_REACH`.
-        """
-        postures = self.arm.turning_postures(X_WG)
-        if not len(postures):
-            return OUT_OF_REACH
-        turned = np.tile(postures[0], (len(turns), 1))
-        turned[:, 6] -= turns  # a hand that points down turns the other way
-        yaws = [i for i, q in enumerate(turned) if self._palm.is_free(c, q)]
-        if not yaws:
-            return self.blame(self._palm, c, turned)
-        if not any(self._links.is_free(c, q) for q in postures):
-            return self.blame(self._links, c, postures)
-        return yaws
 
     def blame(self, scene: CollisionScene, c: Configuration, qs: FloatArray) -> str:
         """Name the support that most postures touch, shape (m, 7) -> its name; else the arm is in its own way."""
@@ -73,18 +51,19 @@ class Columns:
         """Whether places are near enough, all at the same height, shape (n, 3) [m] -> (n,). Joint 1 has no limit."""
         p_BG = (to_transform(self._spec.arm.X_WB).inverse() @ p_WG.T).T
         ring = np.minimum(np.hypot(*p_BG.T[:2]), _FARTHEST) / _RING
-        near = self.arm.is_near_enough(_RING * np.arange(int(ring.max(initial=0.0)) + 2), float(p_BG[0, 2]))
+        near = self._arm.is_near_enough(_RING * np.arange(int(ring.max(initial=0.0)) + 2), float(p_BG[0, 2]))
         return near[np.floor(ring).astype(int)] | near[np.ceil(ring).astype(int)]
 
     def obstacles(self, p_WG: FloatArray) -> list[str]:
-        """Supports in which the core of the hand would be at places, shape (n, 3) [m]; an empty name for none."""
+        """Supports that hand or fingers hit at any yaw at places, shape (n, 3) [m]; empty names where none is known."""
         names = np.full(len(p_WG), OUT_OF_REACH, dtype=object)
         for name, support in self._spec.supports.items():
             for shape in support_shapes(support.kind, support.size):
                 X_WS = to_transform(support.X_WT) @ RigidTransform(np.array(shape.xyz))
                 p_SG, half = (X_WS.inverse() @ p_WG.T).T, np.array(shape.size) / 2
-                away = np.linalg.norm(np.maximum(np.abs(p_SG[:, :2]) - half[:2], 0.0), axis=1)
-                for radius, low, high in CORE:
-                    level = (p_SG[:, 2] + low < half[2]) & (p_SG[:, 2] + high > -half[2])
-                    names[(away < radius) & level] = name
+                outside = np.linalg.norm(np.maximum(np.abs(p_SG[:, :2]) - half[:2], 0.0), axis=1)
+                inside = (half[:2] - np.abs(p_SG[:, :2])).min(axis=1)
+                hits = [(outside < radius, low, high) for radius, low, high in CORE]
+                for hit, low, high in (*hits, (inside > FINGERS[0], *FINGERS[1:])):
+                    names[hit & (p_SG[:, 2] + low < half[2]) & (p_SG[:, 2] + high > -half[2])] = name
         return [str(name) for name in names]

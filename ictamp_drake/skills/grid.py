@@ -28,7 +28,7 @@ from ictamp_drake.world.world import World
 
 _YAWS: FloatArray = np.deg2rad(np.arange(0, 360, GRID_TURN))
 _MOST = 3000
-"""Number of columns, and of hand poses, after which the question stays open."""
+"""Number of columns, hand poses and postures that are looked at in one scene, about 1 ms each."""
 _FIRST = 40
 """Number of columns that are looked at before reach and obstacles of all of them are computed."""
 _EASY_REACH, _FARTHEST = 0.5, 1.0
@@ -86,6 +86,9 @@ class _Grid(Protocol):
     def yaws(self, p_FG: FloatArray) -> FloatArray:
         """Yaws of the hand at which the box fits between the fingers, shape (m,) [rad]."""
 
+    def opened(self, p_FG: FloatArray, yaw: float) -> Sequence[Configuration]:
+        """Configurations in which the hand is as far open as it may be at the upper end of a column."""
+
     def X_WG(self, pose: _Pose) -> RigidTransform | None:
         """Pose of G; None if the box is not in one of its places."""
 
@@ -100,12 +103,14 @@ class Sweep:
     """Sweeps over the grasps and placements in a scene."""
 
     def __init__(self, world: World, motion: MotionConfig, pick: PickConfig, place: PlaceConfig) -> None:
-        kinematics = replace(motion.kinematics, attempts=1000, apart=0.1)
+        kinematics = replace(motion.kinematics, attempts=1000)
         self._world, self._pick, self._place = world, pick, place
         self._arm = ArmKinematics(to_transform(world.spec.arm.X_WB), kinematics)
         self._scene = CollisionScene(world, motion.held_shrinkage, 0.0)
         self._lines = _Lines(self._arm, self._scene)
         self._columns = Columns(world, self._arm)
+        self._left = _MOST
+        self._allowed = 0
 
     def refuse_grasps(self, c: Configuration, box: str) -> Counter[str] | None:
         """Count the refused grasps of a box where it is in c, by obstacle.
@@ -121,33 +126,62 @@ class Sweep:
         return self._refuse(_Placements(self._world, self._lines, self._place, c, box, face))
 
     def _refuse(self, grid: _Grid) -> Counter[str] | None:
-        refused, left = Counter[str](), _MOST
-        columns: Iterable[_Column] = self._open_columns(grid, refused)
+        self._allowed = self._left // 2
+        before = self._allowed
+        try:
+            return self._count_refused(grid)
+        except _Undecided:
+            return None
+        finally:
+            self._left -= before - self._allowed
+
+    def _look(self) -> None:
+        """Count what is looked at."""
+        self._allowed -= 1
+        if self._allowed <= 0:
+            raise _Undecided
+
+    def _count_refused(self, grid: _Grid) -> Counter[str] | None:
+        refused, causes = Counter[str](), dict[tuple[float, float], Counter[str]]()
+        poses: Iterable[tuple[FloatArray, float]] = self._open_columns(grid, refused)
         for variant in grid.variants:
             seen = []
-            for column in columns:
-                seen.append(column)
-                for yaw in column.yaws:
-                    left -= 1
-                    cause = self._refuse_pose(grid, _Pose(column.p_FG, yaw, variant))
-                    if cause is None or left == 0 or len(seen) == _MOST:
-                        return None
-                    column.causes[cause] += 1
-            columns = seen
-        for column in columns:
-            known = [cause for cause, _ in column.causes.most_common() if cause != OUT_OF_REACH]
-            refused[known[0] if known else OUT_OF_REACH] += len(grid.yaws(column.p_FG))
+            for p_FG, yaw in poses:
+                cause = self._refuse_pose(grid, _Pose(p_FG, yaw, variant))
+                if cause is None:
+                    return None
+                causes.setdefault(tuple(p_FG), Counter())[cause] += 1
+                seen.append((p_FG, yaw))
+            poses = seen
+        for p, counts in causes.items():
+            known = [cause for cause, _ in counts.most_common() if cause != OUT_OF_REACH]
+            refused[known[0] if known else OUT_OF_REACH] += len(grid.yaws(np.array(p)))
         return refused
 
-    def _open_columns(self, grid: _Grid, refused: Counter[str]) -> Iterator["_Column"]:
-        """Yield the columns whose upper ends are free, and count the hand poses of the others."""
+    def _open_columns(self, grid: _Grid, refused: Counter[str]) -> Iterator[tuple[FloatArray, float]]:
+        """Yield position and yaw of the columns whose upper end is free, and count those that are refused."""
         for p_FG in self._near_spots(grid, refused):
-            yaws = grid.yaws(p_FG)
-            free = self._columns.free_yaws(grid.c, _hand_pose(grid.X_WF, p_FG, grid.top, 0.0), yaws)
-            if isinstance(free, str):
-                refused[free] += len(yaws)
+            self._look()
+            yaws, found = grid.yaws(p_FG), False
+            postures = self._arm.turning_postures(_hand_pose(grid.X_WF, p_FG, grid.top, 0.0))
+            if not len(postures):
+                refused[OUT_OF_REACH] += len(yaws)
+            elif not any(self._columns.links.is_free(grid.c, q) for q in postures):
+                refused[self._columns.blame(self._columns.links, grid.c, postures)] += len(yaws)
             else:
-                yield _Column(p_FG, yaws[free], Counter())
+                q = postures[0].copy()
+                for yaw in yaws:
+                    q[6] = postures[0, 6] - yaw  # a hand that points down turns the other way
+                    if self._is_hand_free(grid.opened(p_FG, yaw), q):
+                        found = True
+                        yield p_FG, float(yaw)
+                if not found:
+                    last = grid.opened(p_FG, yaws[-1])[-1]
+                    refused[self._columns.blame(self._columns.hand, last, q[None])] += len(yaws)
+
+    def _is_hand_free(self, around: Sequence[Configuration], q: FloatArray) -> bool:
+        """Whether the hand is free in one of these configurations when the arm is at q; the palm is tested first."""
+        return self._columns.palm.is_free(around[0], q) and any(self._columns.hand.is_free(c, q) for c in around)
 
     def _near_spots(self, grid: _Grid, refused: Counter[str]) -> Iterator[FloatArray]:
         """Yield all spots but those that are far out of reach or inside a support, and count the latter."""
@@ -166,14 +200,18 @@ class Sweep:
     def _refuse_pose(self, grid: _Grid, pose: _Pose) -> str | None:
         """Name the obstacle of a hand pose, which may be `OUT_OF_REACH`; None if the pose is free."""
         X_WG = grid.X_WG(pose)
-        postures = self._arm.turning_postures(X_WG) if X_WG is not None else ()
-        if X_WG is None or not len(postures):
+        if X_WG is None:
+            return OUT_OF_REACH
+        self._look()
+        postures = self._arm.turning_postures(X_WG)
+        if not len(postures):
             return OUT_OF_REACH
         around = grid.around(pose, postures[0])
-        if not any(self._columns.hand.is_free(c, postures[0]) for c in around):
+        if not self._is_hand_free(around, postures[0]):
             return self._columns.blame(self._columns.hand, around[0], postures[:1])
 
         def accept(q: FloatArray) -> bool:
+            self._look()
             return grid.can_follow(pose, q, [c for c in around if self._scene.is_free(c, q)])
 
         if self._arm.solve(X_WG, HOME, accept) is not None:
@@ -181,12 +219,8 @@ class Sweep:
         return self._columns.blame(self._scene, around[-1], postures[::10])
 
 
-class _Column(NamedTuple):
-    """Hand poses whose upper ends are free: x and y of G in F [m], yaws [rad], and what refused them, with counts."""
-
-    p_FG: FloatArray
-    yaws: FloatArray
-    causes: Counter[str]
+class _Undecided(Exception):
+    """There is more than can be looked at."""
 
 
 class _Lines:
@@ -231,9 +265,12 @@ class _Grasps:
     def X_WG(self, pose: _Pose) -> RigidTransform:
         return _hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw)
 
-    def around(self, pose: _Pose, q: FloatArray) -> list[Configuration]:
-        needed = float(self._needed(pose.p_FG, pose.yaw))
-        return [imagine(self.c, q=q, width=each.width, held=None) for each in openings(needed, self._config.clearances)]
+    def opened(self, p_FG: FloatArray, yaw: float) -> list[Configuration]:
+        fitting = openings(float(self._needed(p_FG, yaw)), self._config.clearances)
+        return [imagine(self.c, q=HOME, width=each.width, held=None) for each in fitting]
+
+    def around(self, pose: _Pose, _: FloatArray) -> list[Configuration]:
+        return self.opened(pose.p_FG, pose.yaw)
 
     def can_follow(self, pose: _Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
         X_WG, rise = self.X_WG(pose), self.top - pose.variant[0]
@@ -260,6 +297,8 @@ class _Placements:
         self.X_WF = face.X_WT
         self.top = float(self._size[2]) + TIP + config.margin
         turns = [turn for turn in (0, 1) if self._size[1 - turn] <= MAX_SIDE]
+        fitting = (openings(float(self._size[1 - turn]), config.clearances) for turn in turns)
+        self._opened = [imagine(self.c, q=HOME, width=each.width, held=None) for some in fitting for each in some]
         spots = _spots(face.half + max(self._size[turn] for turn in turns) / 2)
         away = np.linalg.norm((self.X_WF @ np.insert(spots, 2, 0.0, axis=1).T)[:2].T - world.spec.arm.position[:2], axis=1)
         order = np.argsort(np.abs(away - _EASY_REACH), kind="stable")
@@ -275,6 +314,9 @@ class _Placements:
 
     def yaws(self, _: FloatArray) -> FloatArray:
         return _YAWS
+
+    def opened(self, *_: object) -> list[Configuration]:
+        return self._opened
 
     def X_WG(self, pose: _Pose) -> RigidTransform | None:
         inside = np.all(np.abs(self._middle(pose)) <= self._face.half + _SLACK)

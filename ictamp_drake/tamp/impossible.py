@@ -44,7 +44,8 @@ class _Needs:
         for box in sorted(self._to_move):
             if (refused := self._refuse_grasps(box)) is not None:
                 yield _report(Action("pick", (box, self._supporter[box])), refused)
-        for box in sorted({*self._to_move, held_box(self._task.s)} & self._target.keys()):
+        put = {*self._to_move, held_box(self._task.s)} & self._target.keys()
+        for box in sorted(put, key=lambda box: (-len([*objects_beneath(box, self._target)]), box)):  # the highest first
             refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._faces(box)]
             refused = [each for each in refusals if each is not None]
             if refused and len(refused) == len(refusals):
