@@ -1,6 +1,6 @@
-"""How soon impossible problems are refused: `python -m benchmarks.infeasible`, a minute; writes infeasible.md beside it.
+"""How soon impossible problems are refused: `python -m benchmarks.infeasible`, two minutes.
 
-Makes scenes of three kinds in which an action of every plan is impossible by construction, and for each a twin in which
+Writes infeasible.md beside it. Makes scenes of three kinds in which an action of every plan is impossible by construction, and for each a twin in which
 the culprit is out of the way. Each is loaded and solved, with a limit of no steps, so that what is not refused at once
 is not searched. Afterwards the problems of the levels are swept, none of which is impossible.
 """
@@ -119,7 +119,9 @@ def _receptacle_far(rng: np.random.Generator, on_box: bool, possible: bool) -> C
     supports = {"table": _table(), "stand": _tray(x, y, 0.04)}
     boxes = {"cup": _box(rng, *_near(rng, -1)), "base": _box(rng, x, y, base=0.04)}
     place = "base" if on_box else "stand"
-    return Case(SceneSpec(supports=supports, boxes=boxes, goal=f"(on cup {place})"), f"place(cup, {place})", OUT_OF_REACH)
+    return Case(
+        SceneSpec(supports=supports, boxes=boxes, goal=f"(on cup {place})"), f"place(cup, {place})", OUT_OF_REACH
+    )
 
 
 def _tower(rng: np.random.Generator, possible: bool) -> Case:
@@ -151,7 +153,7 @@ def refuse(spec: SceneSpec) -> tuple[Explanation, float]:
 
 
 def is_right(case: Case, said: Explanation) -> bool:
-    """Whether the action is named with its cause, and nothing else is called impossible but actions of the same kind."""
+    """Whether the action is named with its cause, and beside it only actions of the same kind."""
     if said.stop_reason != "IMPOSSIBLE":
         return False
     named = {each.action: each for each in said.blocked}
@@ -198,10 +200,9 @@ def level_lines() -> Iterator[str]:
         task = load(load_scene(path), SCENE_METHOD)
         solution = solve(task, SCENE_METHOD, max_steps=0)
         refused += solution.result.stop_reason.name == "IMPOSSIBLE"
-        swept = solution.setup_time_s - task.setup_cpu_time_s
-        seconds.append(swept)
-    yield f"Of the {len(paths)} problems of the levels, {refused} are refused. Getting ready for the search, the sweep included,"
-    yield f"takes {np.median(seconds):.2f} s of processor time (median; at most {max(seconds):.2f} s)."
+        seconds.append(solution.setup_time_s - task.setup_cpu_time_s)
+    yield f"Of the {len(paths)} problems of the levels, {refused} are refused. Getting ready, sweep included, takes"
+    yield f"{np.median(seconds):.2f} s of processor time (median; at most {max(seconds):.2f} s)."
 
 
 def main() -> None:
@@ -211,9 +212,9 @@ def main() -> None:
     text = [
         "# What cannot be is said soon",
         "",
-        f"{options.count} scenes of each kind, with seed {options.seed}, by `python -m benchmarks.infeasible`. Seconds are processor time",
-        "of loading the scene and sweeping it. Refused rightly: the impossible action is named, with the support that is",
-        "in the way or as out of reach. Twins: the same scenes with the culprit out of the way.",
+        f"{options.count} scenes of each kind, with seed {options.seed}, by `python -m benchmarks.infeasible`. Seconds are",
+        "processor time of loading the scene and sweeping it. Refused rightly: the impossible action is named, with the",
+        "support that is in the way or as out of reach. Twins: the same scenes with the culprit out of the way.",
         "",
         *markdown.table(heads, rows(options)),
         "",

@@ -51,8 +51,10 @@ class Columns:
         """Whether places are near enough, all at the same height, shape (n, 3) [m] -> (n,). Joint 1 has no limit."""
         p_BG = (to_transform(self._spec.arm.X_WB).inverse() @ p_WG.T).T
         ring = np.minimum(np.hypot(*p_BG.T[:2]), _FARTHEST) / _RING
-        near = self._arm.is_near_enough(_RING * np.arange(int(ring.max(initial=0.0)) + 2), float(p_BG[0, 2]))
-        return near[np.floor(ring).astype(int)] | near[np.ceil(ring).astype(int)]
+        rings, number = np.unique([np.floor(ring), np.ceil(ring)], return_inverse=True)
+        near = self._arm.is_near_enough(_RING * rings, float(p_BG[0, 2]))[number]
+        found: NDArray[np.bool_] = near.reshape(2, -1).any(axis=0)
+        return found
 
     def obstacles(self, p_WG: FloatArray) -> list[str]:
         """Supports that hand or fingers hit at any yaw at places, shape (n, 3) [m]; empty names where none is known."""

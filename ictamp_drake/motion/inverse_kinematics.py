@@ -124,7 +124,9 @@ class ArmKinematics:
         X_BG = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (len(radius), 1, 1))
         X_BG[:, 0, 3], X_BG[:, 2, 3] = radius, height
         found = postures(np.repeat(X_BG, len(self._turn), axis=0), np.tile(self._turn, len(radius)))
-        near: NDArray[np.bool_] = self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1).any(axis=(0, 2))
+        near: NDArray[np.bool_] = (
+            self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1).any(axis=(0, 2))
+        )
         return near
 
     def _is_within_limits(self, q: FloatArray, joints: slice = slice(None)) -> NDArray[np.bool_]:

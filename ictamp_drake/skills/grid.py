@@ -27,14 +27,20 @@ from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
 _YAWS: FloatArray = np.deg2rad(np.arange(0, 360, GRID_TURN))
-_MOST = 3000
-"""Number of columns, hand poses and postures that are looked at in one scene, about 1 ms each."""
+_MOST = 50_000
+"""Effort that is spent on one scene, at most half of what is left on each action, about 0.1 ms each."""
+_COLUMN, _POSE, _POSTURE = 20, 1, 10
+"""Effort for a column, a hand pose and a posture."""
 _FIRST = 40
 """Number of columns that are looked at before reach and obstacles of all of them are computed."""
-_EASY_REACH, _FARTHEST = 0.5, 1.0
-"""Horizontal distances from the base at which most things are easy, and at which none is within reach [m]."""
+_EASY_REACH = 0.5
+"""Horizontal distance from the base at which most things are easy [m]."""
+_OVERHANG = 10.0
+"""Distance from the easiest reach that counts like the same distance beyond the edge of a face."""
 _EASY_DEPTH = 0.02
 """Distance of G below a box's top at which most things are easy [m]."""
+_LEVEL = 0.01
+"""Largest tilt of a box whose columns are vertical [rad]."""
 _SLACK = 1e-4
 """Length by which fingers may overlap a box that just fits between them [m]."""
 _AWAY: FloatArray = to_pose(RigidTransform([0.0, 0.0, -100.0]))
@@ -56,7 +62,7 @@ class _Pose(NamedTuple):
     """A pose of the hand on the grid.
 
     Attributes:
-        p_FG: x and y of G in the frame F of the columns, shape (2,) [m].
+        p_FG: Position of G in the frame F of the columns, x and y, shape (2,) [m].
         yaw: Yaw of the hand in F [rad].
         variant: Anything else, such as the height of G.
     """
@@ -73,7 +79,7 @@ class _Grid(Protocol):
         c: Configuration without the other boxes.
         X_WF: Level frame F of the columns.
         top: Height of G in F at the upper end of each column [m].
-        spots: x and y of each column in F, the most promising first, shape (n, 2) [m].
+        spots: Position of each column in F, x and y, the most promising first, shape (n, 2) [m].
         variants: Variants of each hand pose, the most promising first.
     """
 
@@ -111,35 +117,36 @@ class Sweep:
         self._columns = Columns(world, self._arm)
         self._left = _MOST
         self._allowed = 0
+        self._latest: tuple[object, tuple[float, ...], FloatArray] = (None, (), np.empty(0))
 
     def refuse_grasps(self, c: Configuration, box: str) -> Counter[str] | None:
         """Count the refused grasps of a box where it is in c, by obstacle.
 
         Returns:
-            Number of grasps by the support in their way, or by `OUT_OF_REACH`. None if one of them is free, or if they
-            are too many to tell.
+            Number of grasps by the support in their way; those out of reach have an empty name. None if one of them is
+            free, if they are too many to tell, or if the box leans.
         """
-        return self._refuse(_Grasps(self._world, self._lines, self._pick, c, box))
+        is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_LEVEL)
+        return self._refuse(_Grasps(self._world, self._lines, self._pick, c, box)) if is_level else None
 
     def refuse_placements(self, c: Configuration, box: str, face: Face) -> Counter[str] | None:
         """Count the refused placements of a box on a face, held in any grasp; see `refuse_grasps`."""
-        return self._refuse(_Placements(self._world, self._lines, self._place, c, box, face))
+        return self._refuse(_Placements(self._world, self._lines, self._place, c=c, box=box, face=face))
 
     def _refuse(self, grid: _Grid) -> Counter[str] | None:
         self._allowed = self._left // 2
         before = self._allowed
         try:
             return self._count_refused(grid)
-        except _Undecided:
+        except _UndecidedError:
             return None
         finally:
             self._left -= before - self._allowed
 
-    def _look(self) -> None:
-        """Count what is looked at."""
-        self._allowed -= 1
+    def _spend(self, effort: int) -> None:
+        self._allowed -= effort
         if self._allowed <= 0:
-            raise _Undecided
+            raise _UndecidedError
 
     def _count_refused(self, grid: _Grid) -> Counter[str] | None:
         refused, causes = Counter[str](), dict[tuple[float, float], Counter[str]]()
@@ -156,12 +163,12 @@ class Sweep:
         for p, counts in causes.items():
             known = [cause for cause, _ in counts.most_common() if cause != OUT_OF_REACH]
             refused[known[0] if known else OUT_OF_REACH] += len(grid.yaws(np.array(p)))
-        return refused
+        return +refused
 
     def _open_columns(self, grid: _Grid, refused: Counter[str]) -> Iterator[tuple[FloatArray, float]]:
         """Yield position and yaw of the columns whose upper end is free, and count those that are refused."""
         for p_FG in self._near_spots(grid, refused):
-            self._look()
+            self._spend(_COLUMN)
             yaws, found = grid.yaws(p_FG), False
             postures = self._arm.turning_postures(_hand_pose(grid.X_WF, p_FG, grid.top, 0.0))
             if not len(postures):
@@ -171,7 +178,7 @@ class Sweep:
             else:
                 q = postures[0].copy()
                 for yaw in yaws:
-                    q[6] = postures[0, 6] - yaw  # a hand that points down turns the other way
+                    q[6] = postures[0, 6] - yaw
                     if self._is_hand_free(grid.opened(p_FG, yaw), q):
                         found = True
                         yield p_FG, float(yaw)
@@ -199,11 +206,11 @@ class Sweep:
 
     def _refuse_pose(self, grid: _Grid, pose: _Pose) -> str | None:
         """Name the obstacle of a hand pose, which may be `OUT_OF_REACH`; None if the pose is free."""
+        self._spend(_POSE)
         X_WG = grid.X_WG(pose)
         if X_WG is None:
             return OUT_OF_REACH
-        self._look()
-        postures = self._arm.turning_postures(X_WG)
+        postures = self._turning_postures(grid.X_WF, pose)
         if not len(postures):
             return OUT_OF_REACH
         around = grid.around(pose, postures[0])
@@ -211,15 +218,24 @@ class Sweep:
             return self._columns.blame(self._columns.hand, around[0], postures[:1])
 
         def accept(q: FloatArray) -> bool:
-            self._look()
+            self._spend(_POSTURE)
             return grid.can_follow(pose, q, [c for c in around if self._scene.is_free(c, q)])
 
         if self._arm.solve(X_WG, HOME, accept) is not None:
             return None
         return self._columns.blame(self._scene, around[-1], postures[::10])
 
+    def _turning_postures(self, X_WF: RigidTransform, pose: _Pose) -> FloatArray:
+        """`ArmKinematics.turning_postures` of a hand pose, from those of yaw 0, which are kept for the next yaw."""
+        p_FG = *pose.p_FG, pose.variant[0]
+        if self._latest[:2] != (X_WF, p_FG):
+            self._latest = X_WF, p_FG, self._arm.turning_postures(_hand_pose(X_WF, pose.p_FG, pose.variant[0], 0.0))
+        postures = self._latest[2].copy()
+        postures[:, 6] -= pose.yaw  # a hand that points down turns the other way
+        return postures
 
-class _Undecided(Exception):
+
+class _UndecidedError(Exception):
     """There is more than can be looked at."""
 
 
@@ -288,7 +304,7 @@ class _Placements:
     """
 
     def __init__(
-        self, world: World, lines: _Lines, config: PlaceConfig, c: Configuration, box: str, face: Face
+        self, world: World, lines: _Lines, config: PlaceConfig, *, c: Configuration, box: str, face: Face
     ) -> None:
         self.c = _alone(c, box)
         self._lines, self._config, self._box, self._face = lines, config, box, face
@@ -300,9 +316,11 @@ class _Placements:
         fitting = (openings(float(self._size[1 - turn]), config.clearances) for turn in turns)
         self._opened = [imagine(self.c, q=HOME, width=each.width, held=None) for some in fitting for each in some]
         spots = _spots(face.half + max(self._size[turn] for turn in turns) / 2)
-        away = np.linalg.norm((self.X_WF @ np.insert(spots, 2, 0.0, axis=1).T)[:2].T - world.spec.arm.position[:2], axis=1)
-        order = np.argsort(np.abs(away - _EASY_REACH), kind="stable")
-        self.spots = spots[order[away[order] < _FARTHEST]]
+        p_WG = (self.X_WF @ np.insert(spots, 2, 0.0, axis=1).T).T
+        away = np.linalg.norm(p_WG[:, :2] - world.spec.arm.position[:2], axis=1)
+        over = np.maximum(np.abs(spots) - face.half, 0.0).max(axis=1)
+        order = np.argsort(np.abs(away - _EASY_REACH) + _OVERHANG * over, kind="stable")
+        self.spots = spots[order]
         self.variants = [
             (float(self._size[2]) - depth, turn, x)
             for depth in _depths(self._size[2])

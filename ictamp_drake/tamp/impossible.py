@@ -8,8 +8,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action
-from ictamp_drake.motion.columns import OUT_OF_REACH
+from ictamp_drake.core.types import Action, Atom
 from ictamp_drake.planning.result import ActionReport
 from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
 from ictamp_drake.skills.grid import Face, Sweep
@@ -18,26 +17,32 @@ from ictamp_drake.symbolic.guides import MoveCount
 from ictamp_drake.tamp.task import Task
 
 
-def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...]:
+def find_impossible(task: Task, goal: frozenset[Atom], skills: SkillsConfig) -> tuple[ActionReport, ...]:
     """Return reports of the actions that every plan needs and for which no parameter on the grid is free.
 
     Only the package's own skills are swept.
+
+    Args:
+        task: Task to solve.
+        goal: Atoms that must all hold at the end.
+        skills: Constants of the skills.
     """
-    if type(skills.pick) is not PickConfig or type(skills.place) is not PlaceConfig or task.goal <= task.s:
+    if type(skills.pick) is not PickConfig or type(skills.place) is not PlaceConfig or goal <= task.s:
         return ()
-    return tuple(_Needs(task, skills, skills.pick, skills.place).impossible())
+    sweep = Sweep(task.world, skills.motion, skills.pick, skills.place)
+    return tuple(_Needs(task, goal, sweep).impossible())
 
 
 class _Needs:
     """Picks from initial poses and placements of the goal that every plan needs."""
 
-    def __init__(self, task: Task, skills: SkillsConfig, pick: PickConfig, place: PlaceConfig) -> None:
+    def __init__(self, task: Task, goal: frozenset[Atom], sweep: Sweep) -> None:
         self._task = task
-        self._sweep = Sweep(task.world, skills.motion, pick, place)
-        self._refuse_grasps = cache(lambda box: self._sweep.refuse_grasps(task.c, box))
-        self._target = {atom.args[0]: atom.args[1] for atom in task.goal}
+        self._sweep = sweep
+        self._refuse_grasps = cache(lambda box: sweep.refuse_grasps(task.c, box))
+        self._target = supporters(goal)
         self._supporter = supporters(task.s)
-        self._to_move = MoveCount(task.domain, task.goal, 1.0).list_to_move(task.s, self._supporter)
+        self._to_move = MoveCount(task.domain, goal, 1.0).list_to_move(task.s, self._supporter)
 
     def impossible(self) -> Iterator[ActionReport]:
         """Yield a report of each needed action that is impossible."""
@@ -80,7 +85,7 @@ class _Needs:
 
 
 def _report(action: Action, refused: Mapping[str, int]) -> ActionReport:
-    total, unreached = sum(refused.values()), refused.get(OUT_OF_REACH, 0)
-    failures = {Failure.GOAL_IN_COLLISION: total - unreached, Failure.NO_INVERSE_KINEMATICS: unreached}
-    obstacles = {name: count for name, count in refused.items() if name != OUT_OF_REACH}
-    return ActionReport(action, total, +Counter(failures), obstacles=+Counter(obstacles))
+    obstacles = Counter({name: count for name, count in refused.items() if name})
+    total, hit = sum(refused.values()), obstacles.total()
+    failures = Counter({Failure.GOAL_IN_COLLISION: hit, Failure.NO_INVERSE_KINEMATICS: total - hit})
+    return ActionReport(action, total, +failures, obstacles=obstacles)

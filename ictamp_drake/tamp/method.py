@@ -294,9 +294,7 @@ class Method:
         return Budget(max(0.0, self.time_limit - elapsed), self.max_steps, cpu_seconds)
 
 
-SCENE_METHOD = Method(
-    generator="best-first", sweep=True, planners=Planners(completion_tree=ProportionalConfig(W=3.0))
-)
+SCENE_METHOD = Method(generator="best-first", sweep=True, planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
 """Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of

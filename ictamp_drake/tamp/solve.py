@@ -124,7 +124,7 @@ def solve(
         listeners=listeners,
         stop=stop,
     )
-    impossible = find_impossible(task, method.skills) if method.sweep else ()
+    impossible = find_impossible(task, task.goal, method.skills) if method.sweep else ()
     setup = task.setup_cpu_time_s + process_time() - cpu_started
     result = planner.run() if not impossible else _no_search(task, impossible)
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
