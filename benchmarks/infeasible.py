@@ -1,8 +1,9 @@
 """How soon impossible problems are refused: `python -m benchmarks.infeasible`, two minutes.
 
-Writes infeasible.md beside it. Makes scenes of three kinds in which an action of every plan is impossible by construction, and for each a twin in which
-the culprit is out of the way. Each is loaded and solved, with a limit of no steps, so that what is not refused at once
-is not searched. Afterwards the problems of the levels are swept, none of which is impossible.
+Writes infeasible.md beside it. Makes scenes of three kinds in which an action of every plan is impossible by
+construction, and for each a twin in which the culprit is out of the way. Each is loaded and solved, with a limit of no
+steps, so that what is not refused at once is not searched. Afterwards the problems of the levels are swept, none of
+which is impossible.
 """
 
 import sys
@@ -212,9 +213,9 @@ def main() -> None:
     text = [
         "# What cannot be is said soon",
         "",
-        f"{options.count} scenes of each kind, with seed {options.seed}, by `python -m benchmarks.infeasible`. Seconds are",
-        "processor time of loading the scene and sweeping it. Refused rightly: the impossible action is named, with the",
-        "support that is in the way or as out of reach. Twins: the same scenes with the culprit out of the way.",
+        f"{options.count} scenes of each kind, with seed {options.seed}, by `python -m benchmarks.infeasible`.",
+        "Seconds are processor time of loading and sweeping. Refused rightly: the impossible action is named, with the",
+        "support in the way or as out of reach. Twins: the same scenes with the culprit out of the way.",
         "",
         *markdown.table(heads, rows(options)),
         "",

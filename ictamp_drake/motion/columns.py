@@ -53,14 +53,13 @@ class Columns:
         ring = np.minimum(np.hypot(*p_BG.T[:2]), _FARTHEST) / _RING
         rings, number = np.unique([np.floor(ring), np.ceil(ring)], return_inverse=True)
         near = self._arm.is_near_enough(_RING * rings, float(p_BG[0, 2]))[number]
-        found: NDArray[np.bool_] = near.reshape(2, -1).any(axis=0)
-        return found
+        return np.asarray(near.reshape(2, -1).any(axis=0))
 
     def obstacles(self, p_WG: FloatArray) -> list[str]:
         """Supports that hand or fingers hit at any yaw at places, shape (n, 3) [m]; empty names where none is known."""
         names = np.full(len(p_WG), OUT_OF_REACH, dtype=object)
         for name, support in self._spec.supports.items():
-            for shape in support_shapes(support.kind, support.size):
+            for shape in support_shapes(support.kind, (support.size[0], support.size[1], support.size[2])):
                 X_WS = to_transform(support.X_WT) @ RigidTransform(np.array(shape.xyz))
                 p_SG, half = (X_WS.inverse() @ p_WG.T).T, np.array(shape.size) / 2
                 outside = np.linalg.norm(np.maximum(np.abs(p_SG[:, :2]) - half[:2], 0.0), axis=1)

@@ -124,10 +124,8 @@ class ArmKinematics:
         X_BG = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (len(radius), 1, 1))
         X_BG[:, 0, 3], X_BG[:, 2, 3] = radius, height
         found = postures(np.repeat(X_BG, len(self._turn), axis=0), np.tile(self._turn, len(radius)))
-        near: NDArray[np.bool_] = (
-            self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1).any(axis=(0, 2))
-        )
-        return near
+        inside = self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1)
+        return np.asarray(inside.any(axis=(0, 2)))
 
     def _is_within_limits(self, q: FloatArray, joints: slice = slice(None)) -> NDArray[np.bool_]:
         """Whether joint positions are within the limits, shape (..., 7) -> (...); False for nan."""

@@ -37,7 +37,7 @@ The first one tolerates a box 3 mm and 2 deg from its expected pose. The last on
 
 
 GRID_STEP, GRID_TURN = 0.005, 10.0
-"""Distances of neighboring hand poses in a sweep, see `skills.grid` [m, deg]."""
+"""Distances of neighboring hand poses in a sweep, see `skills.sweep` [m, deg]."""
 
 
 def check_clearances(field: str, clearances: Sequence[float]) -> None:

@@ -11,7 +11,8 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom
 from ictamp_drake.planning.result import ActionReport
 from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
-from ictamp_drake.skills.grid import Face, Sweep
+from ictamp_drake.skills.grid import Face
+from ictamp_drake.skills.sweep import Sweep
 from ictamp_drake.symbolic.atoms import held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.guides import MoveCount
 from ictamp_drake.tamp.task import Task
@@ -49,12 +50,12 @@ class _Needs:
         for box in sorted(self._to_move):
             if (refused := self._refuse_grasps(box)) is not None:
                 yield _report(Action("pick", (box, self._supporter[box])), refused)
-        put = {*self._to_move, held_box(self._task.s)} & self._target.keys()
-        for box in sorted(put, key=lambda box: (-len([*objects_beneath(box, self._target)]), box)):  # the highest first
+        placed = [box for box in self._target if box in self._to_move or box == held_box(self._task.s)]
+        for box in sorted(placed, key=lambda box: (-len([*objects_beneath(box, self._target)]), box)):  # highest first
             refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._faces(box)]
-            refused = [each for each in refusals if each is not None]
-            if refused and len(refused) == len(refusals):
-                yield _report(Action("place", (box, self._target[box])), sum(refused, Counter[str]()))
+            known = [each for each in refusals if each is not None]
+            if known and len(known) == len(refusals):
+                yield _report(Action("place", (box, self._target[box])), sum(known, Counter[str]()))
 
     def _faces(self, box: str) -> list[Face]:
         """Places of the box in the goal, one of which it will have; none if they are not known."""
