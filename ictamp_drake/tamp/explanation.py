@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ictamp_drake.scenes.spec import SceneSpec
 
 _PARAMETERS = {"pick": "grasp", "place": "placement"}
-_GRID = f"on a grid of {1000 * GRID_STEP:g} mm and {GRID_TURN:g}°"
+_GRID = f"on a grid of {1000 * GRID_STEP:g} mm and {GRID_TURN:g} deg"
 _SWEPT: Mapping[Cause, str] = {
     Failure.NO_INVERSE_KINEMATICS: "out of reach",
     Failure.GOAL_IN_COLLISION: "in collision",

@@ -44,7 +44,7 @@ def test_a_box_under_a_board_is_named_with_the_board() -> None:
     assert set(blocked.refusals) == {Failure.GOAL_IN_COLLISION}
     assert set(blocked.obstacles) == {"board"}
     assert blocked.swept
-    assert "no grasp on a grid of 5 mm and 10°" in str(explanation)
+    assert "no grasp on a grid of 5 mm and 10 deg" in str(explanation)
     assert "--no-sweep" in str(explanation)
 
 
@@ -54,7 +54,7 @@ def test_a_tower_that_is_too_high_is_named_with_its_top() -> None:
     blocked, *_ = solution.explain().blocked
     assert blocked.action == "place(f, e)"
     assert set(blocked.refusals) == {Failure.NO_INVERSE_KINEMATICS}
-    assert "no placement on a grid of 5 mm and 10°" in str(blocked)
+    assert "no placement on a grid of 5 mm and 10 deg" in str(blocked)
     assert "out of reach" in str(blocked)
 
 
