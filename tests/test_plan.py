@@ -270,3 +270,15 @@ def test_a_changed_scene_does_not_go_on_in_the_folder_of_the_old_one(
     path.write_text(SCENE.replace("[0.5, 0.3, 0.04]", "[0.5, 0.31, 0.04]"))
     message = refuse(capsys, str(path), "--out", str(folder / "first"), *LIMIT)
     assert message.startswith(f"{folder / 'first'}: scene.boxes.blue_box.position: ")
+
+
+def test_what_is_impossible_is_said_without_a_search(tmp_path: Path) -> None:
+    scene = CASES / "07-wholly-under-a-shelf.yaml"
+    done = run("plan", str(scene), "--out", "out", "--artefacts", "plan", folder=tmp_path)
+    assert done.returncode == UNSOLVED
+    (record,) = read_records(tmp_path / "out" / "results.jsonl").values()
+    assert record.stop_reason == "IMPOSSIBLE"
+    assert record.low_level_steps == 0
+    assert set(record.obstacles["pick(jar, table)"]) == {"board"}
+    assert "no grasp on a grid" in " ".join(done.stdout.split())
+    assert "no grasp on a grid" in (tmp_path / "out" / "index.html").read_text()

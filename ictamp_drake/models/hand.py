@@ -52,3 +52,8 @@ FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
 """An open finger with its mount. Its inner face is half the opening away from G."""
 PALM = Outline(half_length=0.0195, half_width=0.101, bottom=0.037)
 WRIST = Outline(half_length=0.075, half_width=0.075, bottom=0.105)
+
+CORE = ((0.019, 0.037, 0.104), (0.053, 0.104, 0.160))
+"""Radius and heights above G of two cylinders inside palm and flange, when the hand points down, at any yaw."""
+FINGERS = (0.045, -0.009, 0.037)
+"""Radius of a disk about G that the fingers meet at any yaw and opening, and their heights above G."""

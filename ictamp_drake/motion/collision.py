@@ -4,6 +4,7 @@ The queries go to SceneGraph itself: `HasCollisions` ends at the first contact a
 collision checker that measures distances.
 """
 
+from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -52,9 +53,12 @@ class CollisionScene:
         held_shrinkage: Length by which the held box is smaller on every side, so that resting contact is not a
             collision [m].
         padding: Largest padding for which `is_free` is quick [m].
+        without: Names of bodies of the arm that collide with nothing.
     """
 
-    def __init__(self, world: World, held_shrinkage: float = 0.001, padding: float = 0.005) -> None:
+    def __init__(
+        self, world: World, held_shrinkage: float = 0.001, padding: float = 0.005, without: Collection[str] = ()
+    ) -> None:
         inspector = world.diagram.scene_graph().model_inspector()
         self._still = frozenset(
             geometry
@@ -62,7 +66,8 @@ class CollisionScene:
             for geometry in world.plant.GetCollisionGeometriesForBody(body)
             if inspector.GetProximityProperties(geometry) is not None
         )
-        self._exact, self._padded = (_Shapes(world, self._still, held_shrinkage, grown) for grown in (0.0, padding))
+        self._exact = _Shapes(world, self._still, held_shrinkage, 0.0, without)
+        self._padded = _Shapes(world, self._still, held_shrinkage, padding, without) if padding else self._exact
         self._padding = padding if self._padded.are_grown else 0.0
 
     def is_free(self, c: Configuration, q: FloatArray, padding: float = 0.0) -> bool:
@@ -120,7 +125,14 @@ class _Shapes:
     A grown shape contains all points nearer to the shape than this length, and some more.
     """
 
-    def __init__(self, world: World, still: frozenset[GeometryId], held_shrinkage: float, grown: float) -> None:
+    def __init__(
+        self,
+        world: World,
+        still: frozenset[GeometryId],
+        held_shrinkage: float,
+        grown: float,
+        without: Collection[str],
+    ) -> None:
         self._shrinkage = held_shrinkage
         self._world = world
         self._plant = world.plant
@@ -133,7 +145,7 @@ class _Shapes:
         self._held: tuple[str, GeometryId] | None = None
         self._c: Configuration | None = None
         self._q = self._plant.GetPositions(self._context).copy()
-        self._leave_only_collision_shapes()
+        self._leave_only_collision_shapes(without)
         self.are_grown = grown > 0 and all(self._grow(geometry, grown) for geometry in still)
         self._filters = self._scene_graph.collision_filter_manager(self._scene_context)
         self._filter(still)
@@ -146,11 +158,11 @@ class _Shapes:
         declaration.ExcludeWithin(GeometrySet([self._frame(body) for body in welded]))
         self._filters.Apply(declaration)
 
-    def _leave_only_collision_shapes(self) -> None:
-        """Remove all other shapes, which every query would move, too."""
+    def _leave_only_collision_shapes(self, without: Collection[str]) -> None:
+        """Remove all other shapes, which every query would move, too, and those of some bodies."""
         inspector = self._inspector()
         for geometry in inspector.GetAllGeometryIds():
-            if inspector.GetProximityProperties(geometry) is None:
+            if inspector.GetProximityProperties(geometry) is None or self.name(geometry) in without:
                 self._scene_graph.RemoveGeometry(self._scene_context, self._source, geometry)
 
     def _grow(self, geometry: GeometryId, length: float) -> bool:

@@ -42,6 +42,7 @@ class ArmKinematics:
         self.upper = UPPER - self.config.joint_margin
         self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
         self._last = np.arange(self.lower[6], self.upper[6], self.config.last_step)
+        self._turn = np.arange(-np.pi, np.pi, self.config.last_step)
 
     def forward(self, q: FloatArray) -> RigidTransform:
         """X_WG at the arm's joint positions q, shape (7,) [rad]."""
@@ -101,9 +102,35 @@ class ArmKinematics:
             least[open_] = np.minimum(least[open_], times.reshape(8, len(open_), len(some)).min(axis=(0, 2)))
         return least
 
-    def _is_within_limits(self, q: FloatArray) -> NDArray[np.bool_]:
+    def turning_postures(self, X_WG: RigidTransform) -> FloatArray:
+        """Joint positions with G at X_WG on a grid of all angles of the last joint, which need not be within limits.
+
+        Turning the last joint turns a hand about its own axis and leaves all other links where they are. So these are
+        the postures of every turn of the hand.
+
+        Returns:
+            Shape (m, 7) [rad]; all joints but the last are within their limits.
+        """
+        found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._turn)
+        return found[self._is_within_limits(found, slice(0, 6))]
+
+    def is_near_enough(self, radius: FloatArray, height: float) -> NDArray[np.bool_]:
+        """Whether the arm without a limit of its first joint brings G there, with the hand pointing down.
+
+        Args:
+            radius: Horizontal distances of G from the axis of the first joint, shape (n,) [m].
+            height: Height of G above the arm's base [m].
+        """
+        X_BG = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (len(radius), 1, 1))
+        X_BG[:, 0, 3], X_BG[:, 2, 3] = radius, height
+        found = postures(np.repeat(X_BG, len(self._turn), axis=0), np.tile(self._turn, len(radius)))
+        inside = self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1)
+        return np.asarray(inside.any(axis=(0, 2)))
+
+    def _is_within_limits(self, q: FloatArray, joints: slice = slice(None)) -> NDArray[np.bool_]:
         """Whether joint positions are within the limits, shape (..., 7) -> (...); False for nan."""
-        inside: NDArray[np.bool_] = np.all((q >= self.lower) & (q <= self.upper), axis=-1)
+        lower, upper, q = self.lower[joints], self.upper[joints], q[..., joints]
+        inside: NDArray[np.bool_] = np.all((q >= lower) & (q <= upper), axis=-1)
         return inside
 
     def comfortable_posture(self, X_WG: RigidTransform) -> FloatArray:

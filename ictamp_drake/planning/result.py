@@ -16,6 +16,7 @@ class StopReason(Enum):
 
     SOLVED = "a plan was found and verified"
     UNREACHABLE = "no high-level plan reaches the goal"
+    IMPOSSIBLE = "an action that every plan needs is impossible"
     OUT_OF_TIME = "the time limit was reached"
     OUT_OF_CPU_TIME = "the limit of the processor time was reached"
     OUT_OF_STEPS = "the limit of low-level steps was reached"
@@ -78,6 +79,8 @@ class PlanningResult(Generic[C]):
         candidate: Number of the node at the goal whose path is `plan`: the verified one, or else the last one found.
         geometric_time_s: Processor time from the start until the first plan was finished, before any of its steps ran
             in physics [s]. None when no plan was finished, or when each step runs in physics at once.
+        impossible: Reports of actions that every plan needs and for which no parameter on a grid is free. There was no
+            search.
     """
 
     tree: Tree[C]
@@ -86,6 +89,7 @@ class PlanningResult(Generic[C]):
     seconds_by_stage: Mapping[str, float]
     candidate: int | None
     geometric_time_s: float | None = None
+    impossible: tuple[ActionReport, ...] = ()
 
     @property
     def solved(self) -> bool:
@@ -143,9 +147,9 @@ class PlanningResult(Generic[C]):
 
     @property
     def blocked(self) -> list[ActionReport]:
-        """Reports of the actions that never succeeded, most attempted first."""
+        """Reports of the actions that are impossible or never succeeded, most attempted first."""
         reports = [report for report in self.reports.values() if report.is_blocked]
-        return sorted(reports, key=lambda report: -report.attempts)
+        return [*self.impossible, *sorted(reports, key=lambda report: -report.attempts)]
 
 
 def _format_causes(causes: Counter[Failure]) -> str:

@@ -63,7 +63,8 @@ class Record:
         seconds_by_stage: Computing time by stage [s]. "setup" is loading and building the scene.
         replay_time_s: Computing time of one execution of the found plan [s]. None when unsolved. Earlier versions
             executed the plan a second time for this, with the whole scene awake and recorded.
-        blocked: Number of rejected parameters k by cause, for each action that was tried and never succeeded.
+        blocked: Number of rejected parameters k by cause, for each action that was tried and never succeeded, or that
+            a sweep found to be impossible.
         obstacles: Number of parameters k with which the arm or the held box would have touched an obstacle, by
             obstacle, for each of these actions.
         error: Traceback when the problem broke down. Otherwise None.
@@ -104,7 +105,8 @@ class Record:
     @property
     def explanation(self) -> Explanation:
         """Explanation of why the search ended."""
-        blocked = (Blocked(a, _causes(counts), self.obstacles.get(a, {})) for a, counts in self.blocked.items())
+        swept = self.stop_reason == StopReason.IMPOSSIBLE.name
+        blocked = (Blocked(a, _causes(counts), self.obstacles.get(a, {}), swept) for a, counts in self.blocked.items())
         return Explanation(
             stop_reason=self.stop_reason,
             blocked=tuple(blocked),

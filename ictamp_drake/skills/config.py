@@ -37,6 +37,10 @@ The first one tolerates a box 3 mm and 2 deg from its expected pose. The last on
 """
 
 
+GRID_STEP, GRID_TURN = 0.005, 10.0
+"""Distances of neighboring hand poses in a sweep, see `skills.sweep` [m, deg]."""
+
+
 def check_clearances(field: str, clearances: Sequence[float]) -> None:
     """Raise IctampError unless there is a clearance and all are between 0 and the opening of the hand [m]."""
     if not clearances:

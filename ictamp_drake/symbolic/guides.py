@@ -105,7 +105,7 @@ class MoveCount:
         if self._goal <= state:
             return 0
         supporter = supporters(state)
-        to_move = self._list_to_move(state, supporter)
+        to_move = self.list_to_move(state, supporter)
         actions = 2 * len(to_move)
         actions += sum(2 for box in to_move if self._must_move_twice(box, supporter, to_move))
         held = held_box(state)
@@ -113,7 +113,8 @@ class MoveCount:
             actions += 1 if self._can_be_placed(held, supporter, to_move) else 3
         return actions
 
-    def _list_to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
+    def list_to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
+        """Return the boxes that every plan moves from what they rest on, given by name."""
         in_the_way, before = set[str](), None
         while in_the_way != before:
             to_move = {box for box in supporter if self._must_move(box, supporter, in_the_way)}

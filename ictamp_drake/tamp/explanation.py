@@ -8,30 +8,39 @@ from typing import TYPE_CHECKING, Any
 
 from ictamp_drake.core.failures import Cause, Failure
 from ictamp_drake.planning.result import PlanningResult, StopReason
+from ictamp_drake.skills.config import GRID_STEP, GRID_TURN
 from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, RefusedAction
 
 if TYPE_CHECKING:
     from ictamp_drake.core.types import Configuration
     from ictamp_drake.scenes.spec import SceneSpec
 
-_PARAMETERS = {"pick": "grasps", "place": "placements"}
+_PARAMETERS = {"pick": "grasp", "place": "placement"}
+_GRID = f"on a grid of {1000 * GRID_STEP:g} mm and {GRID_TURN:g} deg"
+_SWEPT: Mapping[Cause, str] = {
+    Failure.NO_INVERSE_KINEMATICS: "out of reach",
+    Failure.GOAL_IN_COLLISION: "in collision",
+}
+"""Causes of refusals in a sweep, which looks at many parameters and at all postures."""
 _SLOW_GENERATOR = 0.25
 """Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
 
 @dataclass(frozen=True)
 class Blocked:
-    """An action that was tried and never succeeded.
+    """An action that was tried and never succeeded, or that a sweep found to be impossible.
 
     Attributes:
         action: The action, e.g. pick(red_box, rack).
         refusals: Number of refused parameters k by cause, the most frequent first.
         obstacles: Number of refused k by the name of the obstacle that the arm or the held box would have touched.
+        swept: Whether these are all k on a grid, so that the action is impossible.
     """
 
     action: str
     refusals: Mapping[Cause, int]
     obstacles: Mapping[str, int] = field(default_factory=dict)
+    swept: bool = False
 
     @property
     def advice(self) -> str:
@@ -48,8 +57,11 @@ class Blocked:
     def refused(self) -> str:
         """Number and causes of the refusals, e.g. "30 of 30 grasps refused: grasp or placement in collision"."""
         total = sum(self.refusals.values())
-        what = _PARAMETERS.get(self.action.partition("(")[0], "parameters k")
-        return f"{total} of {total} {what} refused: {list_causes(self.refusals)}"
+        what = _PARAMETERS.get(self.action.partition("(")[0], "parameter")
+        if self.swept:
+            causes = {_SWEPT.get(cause, cause): count for cause, count in self.refusals.items()}
+            return f"no {what} {_GRID}: {total} of {total} refused: {list_causes(causes)}"
+        return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}"
 
     def __str__(self) -> str:
         """E.g., "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
@@ -90,10 +102,11 @@ class Explanation:
     @classmethod
     def of(cls, result: PlanningResult[Any], planning_time_s: float, scene: "SceneSpec | None" = None) -> "Explanation":
         """Return the explanation of a search in a scene that took `planning_time_s` [s]."""
+        swept = result.stop_reason is StopReason.IMPOSSIBLE
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
-                Blocked(str(report.action), dict(report.refusals.items()), dict(report.obstacles))
+                Blocked(str(report.action), dict(report.refusals.items()), dict(report.obstacles), swept)
                 for report in result.blocked
             ),
             failures=dict(result.failures.most_common()),
@@ -138,7 +151,9 @@ class Explanation:
         if self.is_generator_slow:
             took = f"{self.generating_time_s:.0f} of {self.planning_time_s:.0f} s went to finding high-level plans"
             yield f"{took}; --generator best-first finds the first one sooner"
-        if not self.plans:
+        if self.stop_reason == StopReason.IMPOSSIBLE.name:
+            yield "other boxes were ignored, since they can be moved; --no-sweep searches all the same"
+        elif not self.plans:
             yield "no high-level plan was found"
         elif not self.blocked:
             failed = f"{sum(self.failures.values())} of {self.steps} steps failed"

@@ -160,6 +160,8 @@ class Method:
         planner: Rule that chooses the next computational action; completion-tree is the rule of the paper. els (unless
             weighted), round-robin and uniform use no estimator, and stap uses STAP's product of Q along the plan.
         max_expansions: Maximum number of nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
+        sweep: Whether to sweep, before the search, the grasps and placements that every plan needs over a grid of 5 mm
+            and 10 deg, among the supports alone. Where an action has none, there is no search.
         verify: Test of a found plan, whose skills were executed one after the other already. none: no further test.
             awake: another execution, in a fresh simulator in which no box sleeps. fine: the same in steps of 1 ms.
         execution: Time at which physics runs the skills. each-step: at once, so that the search continues from the
@@ -184,6 +186,7 @@ class Method:
     generator: Annotated[str | GeneratorConfig, _describe_part("generator", Generators().by_name())] = "breadth-first"
     planner: Annotated[str | RuleConfig, _describe_part("planner", Planners().by_name())] = "completion-tree"
     max_expansions: int = PlannerConfig.max_expansions
+    sweep: bool = False
     verify: Verification = "none"
     execution: Annotated[Execution, tyro.conf.arg(name="physics")] = "each-step"
     skills: SkillsConfig = SkillsConfig()
@@ -294,6 +297,7 @@ class Method:
 
 SCENE_METHOD = Method(
     generator="best-first",
+    sweep=True,
     planners=Planners(completion_tree=ProportionalConfig(W=3.0)),
     skills=SkillsConfig(motion=MotionConfig(carrying=CarryingConfig(slide=0.0015))),
 )

@@ -11,7 +11,8 @@ from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.estimators.context import EstimatorContext
 from ictamp_drake.planning.events import Listener
 from ictamp_drake.planning.planner import Budget, PlannerConfig, Verify
-from ictamp_drake.planning.result import PlanningResult
+from ictamp_drake.planning.result import ActionReport, PlanningResult, StopReason
+from ictamp_drake.planning.tree import Tree
 from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search is charged with it)
     ik_sampler,
     pick,
@@ -22,6 +23,7 @@ from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search 
 )
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.tamp.explanation import Explanation
+from ictamp_drake.tamp.impossible import find_impossible
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.tamp.plan_origin import Origin
@@ -88,6 +90,8 @@ def solve(
     Drake's diagrams refer to each other, so only `gc.collect()` frees those of earlier solutions. Call it once per
     problem in a loop of your own, which otherwise grows by some megabytes a problem; runs of this package do so.
 
+    With `sweep`, there is no search if an action that every plan needs is impossible.
+
     Args:
         task: Task to solve.
         method: Method that solves the task.
@@ -107,6 +111,7 @@ def solve(
     skills = method.skills.create(task.world, task.abstraction, task.physics, method.sampler_config)
     whole = method.execution == "whole-plan"
     estimator = method.estimator_config.create(EstimatorContext(task.world, skills))
+    impossible = find_impossible(task, task.goal, method.skills) if method.sweep else ()
     budget = method.budget(
         elapsed=task.setup_time_s + perf_counter() - started,
         cpu_elapsed=task.setup_cpu_time_s + process_time() - cpu_started,
@@ -126,11 +131,15 @@ def solve(
         stop=stop,
     )
     setup = task.setup_cpu_time_s + process_time() - cpu_started
-    result = planner.run()
+    result = planner.run() if not impossible else _no_search(task, impossible)
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
     planning = task.setup_time_s + perf_counter() - started
     cpu_time = task.setup_cpu_time_s + process_time() - cpu_started
     return Solution(task, result, planning, cpu_time, setup, geometric, method)
+
+
+def _no_search(task: Task, impossible: tuple[ActionReport, ...]) -> PlanningResult[Configuration]:
+    return PlanningResult(Tree(task.c, task.s), StopReason.IMPOSSIBLE, 0.0, {}, None, impossible=impossible)
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:

@@ -41,8 +41,11 @@ function choose_refusal(number) {
   mark_things(number);
   if (number !== null) {
     const {action} = reasons.refusals[number];
-    leap(log.length);
-    choose(log.findLastIndex(entry => entry.failure && entry.action === action), false);
+    const last = log.findLastIndex(entry => entry.failure && entry.action === action);
+    if (last >= 0) {  // actions that a sweep refused were not tried
+      leap(log.length);
+      choose(last, false);
+    }
   }
 }
 

@@ -1,0 +1,250 @@
+"""Grids of hand poses for a grasp or a placement, and what the skill needs at each of them.
+
+Where a box is grasped or put down, the hand rises straight up until its tips are above the box. This height is the same
+for all heights of the grasp, so hand poses come in columns with a common upper end.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, TIP
+from ictamp_drake.motion.collision import CollisionScene
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.base import imagine, openings
+from ictamp_drake.skills.config import GRID_STEP, GRID_TURN, PickConfig, PlaceConfig
+from ictamp_drake.skills.geometry import grasp_in_box, level_pose, raise_pose
+from ictamp_drake.world.poses import to_pose, to_transform
+from ictamp_drake.world.world import World
+
+YAWS: FloatArray = np.deg2rad(np.arange(0, 360, GRID_TURN))
+"""All yaws of the grid [rad]."""
+_EASY_REACH = 0.5
+"""Horizontal distance from the base at which most things are easy [m]."""
+_OVERHANG = 10.0
+"""Distance from the easiest reach that counts like the same distance beyond the edge of a face."""
+_EASY_DEPTH = 0.02
+"""Distance of G below a box's top at which most things are easy [m]."""
+_SLACK = 1e-4
+"""Length by which fingers may overlap a box that just fits between them [m]."""
+_AWAY: FloatArray = to_pose(RigidTransform([0.0, 0.0, -100.0]))
+
+
+class Face(NamedTuple):
+    """Places for the center of a box's lower face.
+
+    Attributes:
+        X_WT: Frame in the middle of these places, z up.
+        half: Half sides of their area along T's x and y, shape (2,) [m].
+    """
+
+    X_WT: RigidTransform
+    half: FloatArray
+
+
+class Pose(NamedTuple):
+    """A pose of the hand on the grid.
+
+    Attributes:
+        p_FG: Position of G in the frame F of the columns, x and y, shape (2,) [m].
+        yaw: Yaw of the hand in F [rad].
+        variant: Anything else, such as the height of G.
+    """
+
+    p_FG: FloatArray
+    yaw: float
+    variant: tuple[float, ...]
+
+
+class Grid(Protocol):
+    """Hand poses of one action.
+
+    Attributes:
+        c: Configuration without the other boxes.
+        X_WF: Level frame F of the columns.
+        top: Height of G in F at the upper end of each column [m].
+        spots: Position of each column in F, x and y, the most promising first, shape (n, 2) [m].
+        variants: Variants of each hand pose, the most promising first.
+    """
+
+    c: Configuration
+    X_WF: RigidTransform
+    top: float
+    spots: FloatArray
+    variants: list[tuple[float, ...]]
+
+    def yaws(self, p_FG: FloatArray) -> FloatArray:
+        """Yaws of the hand at which the box fits between the fingers, shape (m,) [rad]."""
+
+    def opened(self, p_FG: FloatArray, yaw: float) -> Sequence[Configuration]:
+        """Configurations in which the hand is as far open as it may be at the upper end of a column."""
+
+    def X_WG(self, pose: Pose) -> RigidTransform | None:
+        """Pose of G; None if the box is not in one of its places."""
+
+    def around(self, pose: Pose, q: FloatArray) -> Sequence[Configuration]:
+        """Configurations, at least one of which must be free when the arm is at q, with G at the pose."""
+
+    def can_follow(self, pose: Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
+        """Whether the straight lines of the skill are free from q on, if these configurations are free."""
+
+
+class Lines:
+    """Straight lines of the hand."""
+
+    def __init__(self, arm: ArmKinematics, scene: CollisionScene) -> None:
+        self._arm = arm
+        self._scene = scene
+
+    def exists(self, q: FloatArray, X_WG: RigidTransform, rise: float) -> bool:
+        """Whether the arm can follow when the hand rises from X_WG, where q brings it."""
+        return self._arm.line(q, raise_pose(X_WG, rise)) is not None
+
+    def is_free(self, c: Configuration, q: FloatArray, X_WG: RigidTransform, rise: float) -> bool:
+        """Whether the arm can follow without a collision."""
+        path = self._arm.line(q, raise_pose(X_WG, rise))
+        return path is not None and self._scene.are_free(c, path)
+
+
+class Grasps:
+    """Grasps of a box. Variants are the height of G in the box's upright frame, which is F."""
+
+    def __init__(self, world: World, lines: Lines, config: PickConfig, c: Configuration, box: str) -> None:
+        self.c = _alone(c, box)
+        self._lines, self._config, self._box = lines, config, box
+        lying = world.upright_frame(c, box)
+        self.X_WF = lying.X_WU
+        self._half = lying.size / 2
+        self.top = float(self._half[2]) + TIP + config.margin
+        spots = _spots(self._half[:2])
+        self.spots = spots[[len(self.yaws(p)) > 0 for p in spots]]
+        self.variants: list[tuple[float, ...]] = [(float(self._half[2]) - depth,) for depth in _depths(lying.size[2])]
+
+    def _needed(self, p_FG: FloatArray, yaw: FloatArray | float) -> FloatArray:
+        """Opening of the fingers that just miss the box, see `geometry.needed_opening`."""
+        (x, y), (cos, sin) = self._half[:2], (np.cos(yaw), np.sin(yaw))
+        return 2 * (np.abs(sin) * x + np.abs(cos) * y + np.abs(p_FG[0] * sin - p_FG[1] * cos))
+
+    def yaws(self, p_FG: FloatArray) -> FloatArray:
+        return YAWS[self._needed(p_FG, YAWS) <= MAX_OPENING + _SLACK]
+
+    def X_WG(self, pose: Pose) -> RigidTransform:
+        return hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw)
+
+    def opened(self, p_FG: FloatArray, yaw: float) -> list[Configuration]:
+        fitting = openings(float(self._needed(p_FG, yaw)), self._config.clearances)
+        return [imagine(self.c, q=HOME, width=each.width, held=None) for each in fitting]
+
+    def around(self, pose: Pose, _: FloatArray) -> list[Configuration]:
+        return self.opened(pose.p_FG, pose.yaw)
+
+    def can_follow(self, pose: Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
+        X_WG, rise = self.X_WG(pose), self.top - pose.variant[0]
+        grasped = imagine(self.c, q=q, width=float(self._needed(pose.p_FG, pose.yaw)), held=self._box)
+        return any(self._lines.is_free(c, q, X_WG, rise) for c in free) and self._lines.is_free(
+            grasped, q, X_WG, self._config.lift
+        )
+
+
+class Placements:
+    """Placements of a box on a face. F is T, and the variants are the grasps.
+
+    A variant has the height of G above the face [m], the number of quarter turns from the hand to the box, and the
+    distance of G from the box's center along G's x [m].
+    """
+
+    def __init__(
+        self, world: World, lines: Lines, config: PlaceConfig, *, c: Configuration, box: str, face: Face
+    ) -> None:
+        self.c = _alone(c, box)
+        self._lines, self._config, self._box, self._face = lines, config, box, face
+        lying = world.upright_frame(c, box)
+        self._size, self._X_UO = lying.size, lying.X_WU.inverse() @ to_transform(c.poses[box])
+        self.X_WF = face.X_WT
+        self.top = float(self._size[2]) + TIP + config.margin
+        turns = [turn for turn in (0, 1) if self._size[1 - turn] <= MAX_SIDE]
+        fitting = (openings(float(self._size[1 - turn]), config.clearances) for turn in turns)
+        self._opened = [imagine(self.c, q=HOME, width=each.width, held=None) for some in fitting for each in some]
+        spots = _spots(face.half + max(self._size[turn] for turn in turns) / 2)
+        p_WG = (self.X_WF @ np.insert(spots, 2, 0.0, axis=1).T).T
+        away = np.linalg.norm(p_WG[:, :2] - world.spec.arm.position[:2], axis=1)
+        over = np.maximum(np.abs(spots) - face.half, 0.0).max(axis=1)
+        order = np.argsort(np.abs(away - _EASY_REACH) + _OVERHANG * over, kind="stable")
+        self.spots = spots[order]
+        self.variants: list[tuple[float, ...]] = [
+            (float(self._size[2]) - depth, turn, float(x))
+            for depth in _depths(self._size[2])
+            for turn in turns
+            for x in _steps(self._size[turn] / 2)
+        ]
+        easiest = self.variants[0][0]
+        self.variants.sort(key=lambda each: abs(each[0] - easiest) + abs(each[2]))
+
+    def yaws(self, _: FloatArray) -> FloatArray:
+        return YAWS
+
+    def opened(self, *_: object) -> list[Configuration]:
+        return self._opened
+
+    def X_WG(self, pose: Pose) -> RigidTransform | None:
+        inside = np.all(np.abs(self._middle(pose)) <= self._face.half + _SLACK)
+        return hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw) if inside else None
+
+    def _middle(self, pose: Pose) -> FloatArray:
+        """x and y of the box in T, shape (2,) [m]."""
+        return pose.p_FG - pose.variant[2] * np.array([np.cos(pose.yaw), np.sin(pose.yaw)])
+
+    def around(self, pose: Pose, q: FloatArray) -> list[Configuration]:
+        yaw = pose.yaw + pose.variant[1] * np.pi / 2
+        X_TU = level_pose(np.array([*self._middle(pose), self._size[2] / 2, yaw]))
+        X_WO = to_pose(self.X_WF @ X_TU @ self._X_UO)
+        return [imagine(self.c, q=q, width=self._width(pose), held=self._box, moved={self._box: X_WO})]
+
+    def _width(self, pose: Pose) -> float:
+        return float(self._size[1 - int(pose.variant[1])])
+
+    def can_follow(self, pose: Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
+        X_WG, above = hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw), self.top - pose.variant[0]
+        fitting = openings(self._width(pose), self._config.clearances)
+        return any(
+            self._lines.exists(q, X_WG, max(above, self._config.drop))
+            and self._lines.is_free(c, q, X_WG, self._config.drop)
+            and any(
+                self._lines.is_free(imagine(c, q=q, width=each.width, held=None), q, X_WG, above) for each in fitting
+            )
+            for c in free
+        )
+
+
+def hand_pose(X_WF: RigidTransform, p_FG: FloatArray, height: float, yaw: float) -> RigidTransform:
+    """X_WG of a hand that points down, at a height [m] and a yaw [rad] in a level frame."""
+    return X_WF @ grasp_in_box(np.array([*p_FG, height, yaw]))
+
+
+def _alone(c: Configuration, box: str) -> Configuration:
+    """c with the box alone and the hand empty: the others, which can be moved, are far away."""
+    return replace(c, poses={name: pose if name == box else _AWAY for name, pose in c.poses.items()}, held=None, x=None)
+
+
+def _steps(half: float) -> FloatArray:
+    """Positions of the grid from -half to half, 0 among them, the middle first [m]."""
+    count = int(half / GRID_STEP + 1e-6)
+    return GRID_STEP * np.array(sorted(range(-count, count + 1), key=abs))
+
+
+def _spots(half: FloatArray) -> FloatArray:
+    """Positions of the grid in a rectangle, the middle first, shape (n, 2) [m]."""
+    spots = np.array(np.meshgrid(*map(_steps, half))).reshape(2, -1).T
+    return spots[np.argsort(np.linalg.norm(spots, axis=1), kind="stable")]
+
+
+def _depths(height: float) -> list[float]:
+    """Distances of G below the top of a box at which the pads touch it, the easiest first [m]."""
+    depths = np.arange(-PAD_HALF_HEIGHT + GRID_STEP / 2, height, GRID_STEP)
+    easy = min(_EASY_DEPTH, height - TIP)  # which keeps the tips off what the box rests on
+    return sorted(depths.tolist(), key=lambda depth: abs(depth - easy))

@@ -1,0 +1,165 @@
+"""Sweeps over a grid, to find out whether an action has any grasp or placement at all.
+
+What can be moved is left out: a sweep looks at the arm and the supports alone. It looks for no transfer of the arm.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.constants import HOME
+from ictamp_drake.motion.collision import CollisionScene
+from ictamp_drake.motion.columns import OUT_OF_REACH, Columns
+from ictamp_drake.motion.config import MotionConfig
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.config import PickConfig, PlaceConfig
+from ictamp_drake.skills.grid import YAWS, Face, Grasps, Grid, Lines, Placements, Pose, hand_pose
+from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.world import World
+
+_MOST = 50_000
+"""Effort that is spent on one scene, at most half of what is left on each action, about 0.1 ms each."""
+_COLUMN, _POSE, _POSTURE = 20, 1, 10
+"""Effort for a column, a hand pose and a posture."""
+_FIRST = 40
+"""Number of columns that are looked at before reach and obstacles of all of them are computed."""
+_LEVEL = 0.01
+"""Largest tilt of a box whose columns are vertical [rad]."""
+
+
+class Sweep:
+    """Sweeps over the grasps and placements in a scene."""
+
+    def __init__(self, world: World, motion: MotionConfig, pick: PickConfig, place: PlaceConfig) -> None:
+        kinematics = replace(motion.kinematics, attempts=1000)
+        self._world, self._pick, self._place = world, pick, place
+        self._arm = ArmKinematics(to_transform(world.spec.arm.X_WB), kinematics)
+        self._scene = CollisionScene(world, motion.held_shrinkage, 0.0)
+        self._lines = Lines(self._arm, self._scene)
+        self._columns = Columns(world, self._arm)
+        self._left = _MOST
+        self._allowed = 0
+        self._latest: tuple[object, tuple[float, ...], FloatArray] = (None, (), np.empty(0))
+
+    def refuse_grasps(self, c: Configuration, box: str) -> Counter[str] | None:
+        """Count the refused grasps of a box where it is in c, by obstacle.
+
+        Returns:
+            Number of grasps by the support in their way; those out of reach have an empty name. None if one of them is
+            free, if they are too many to tell, or if the box leans.
+        """
+        is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_LEVEL)
+        return self._refuse(Grasps(self._world, self._lines, self._pick, c, box)) if is_level else None
+
+    def refuse_placements(self, c: Configuration, box: str, face: Face) -> Counter[str] | None:
+        """Count the refused placements of a box on a face, held in any grasp; see `refuse_grasps`."""
+        return self._refuse(Placements(self._world, self._lines, self._place, c=c, box=box, face=face))
+
+    def _refuse(self, grid: Grid) -> Counter[str] | None:
+        self._allowed = self._left // 2
+        before = self._allowed
+        try:
+            return self._count_refused(grid)
+        except _UndecidedError:
+            return None
+        finally:
+            self._left -= before - self._allowed
+
+    def _spend(self, effort: int) -> None:
+        self._allowed -= effort
+        if self._allowed <= 0:
+            raise _UndecidedError
+
+    def _count_refused(self, grid: Grid) -> Counter[str] | None:
+        refused, causes = Counter[str](), dict[tuple[float, ...], str]()
+        poses: Iterable[tuple[FloatArray, float]] = self._open_columns(grid, refused)
+        for variant in grid.variants:
+            seen = []
+            for p_FG, yaw in poses:
+                known = causes.get(p := tuple(p_FG), OUT_OF_REACH)
+                cause = self._refuse_pose(grid, Pose(p_FG, yaw, variant), known)
+                if cause is None:
+                    return None
+                causes[p] = cause
+                seen.append((p_FG, yaw))
+            poses = seen
+        for p, cause in causes.items():
+            refused[cause] += len(grid.yaws(np.array(p)))
+        return +refused
+
+    def _open_columns(self, grid: Grid, refused: Counter[str]) -> Iterator[tuple[FloatArray, float]]:
+        """Yield position and yaw of the columns whose upper end is free, and count those that are refused."""
+        for p_FG in self._near_spots(grid, refused):
+            self._spend(_COLUMN)
+            yaws, found = grid.yaws(p_FG), False
+            postures = self._arm.turning_postures(hand_pose(grid.X_WF, p_FG, grid.top, 0.0))
+            if not len(postures):
+                refused[OUT_OF_REACH] += len(yaws)
+            elif not any(self._columns.links.is_free(grid.c, q) for q in postures):
+                refused[self._columns.blame(self._columns.links, grid.c, postures)] += len(yaws)
+            else:
+                q = postures[0].copy()
+                for yaw in yaws:
+                    q[6] = postures[0, 6] - yaw
+                    if self._is_hand_free(grid.opened(p_FG, yaw), q):
+                        found = True
+                        yield p_FG, float(yaw)
+                if not found:
+                    last = grid.opened(p_FG, yaws[-1])[-1]
+                    refused[self._columns.blame(self._columns.hand, last, q[None])] += len(yaws)
+
+    def _is_hand_free(self, around: Sequence[Configuration], q: FloatArray) -> bool:
+        """Whether the hand is free in one of these configurations when the arm is at q; the palm is tested first."""
+        return self._columns.palm.is_free(around[0], q) and any(self._columns.hand.is_free(c, q) for c in around)
+
+    def _near_spots(self, grid: Grid, refused: Counter[str]) -> Iterator[FloatArray]:
+        """Yield all spots but those that are far out of reach or inside a support, and count the latter."""
+        yield from grid.spots[:_FIRST]
+        spots = grid.spots[_FIRST:]
+        if len(spots):
+            p_WG = (grid.X_WF @ np.column_stack([spots, np.full(len(spots), grid.top)]).T).T
+            near = self._columns.is_near_enough(p_WG)
+            refused[OUT_OF_REACH] += len(YAWS) * int(np.count_nonzero(~near))
+            for p_FG, obstacle in zip(spots[near], self._columns.obstacles(p_WG[near]), strict=True):
+                if obstacle:
+                    refused[obstacle] += len(grid.yaws(p_FG))
+                else:
+                    yield p_FG
+
+    def _refuse_pose(self, grid: Grid, pose: Pose, known: str) -> str | None:
+        """Name the obstacle of a hand pose, or the known one of its column; None if the pose is free."""
+        self._spend(_POSE)
+        X_WG = grid.X_WG(pose)
+        if X_WG is None:
+            return known
+        postures = self._turning_postures(grid.X_WF, pose)
+        if not len(postures):
+            return known
+        around = grid.around(pose, postures[0])
+        if not self._is_hand_free(around, postures[0]):
+            return known or self._columns.blame(self._columns.hand, around[0], postures[:1])
+
+        def accept(q: FloatArray) -> bool:
+            self._spend(_POSTURE)
+            return grid.can_follow(pose, q, [c for c in around if self._scene.is_free(c, q)])
+
+        if self._arm.solve(X_WG, HOME, accept) is not None:
+            return None
+        return known or self._columns.blame(self._scene, around[-1], postures[::10])
+
+    def _turning_postures(self, X_WF: RigidTransform, pose: Pose) -> FloatArray:
+        """`ArmKinematics.turning_postures` of a hand pose, from those of yaw 0, which are kept for the next yaw."""
+        p_FG = *pose.p_FG, pose.variant[0]
+        if self._latest[:2] != (X_WF, p_FG):
+            self._latest = X_WF, p_FG, self._arm.turning_postures(hand_pose(X_WF, pose.p_FG, pose.variant[0], 0.0))
+        postures = self._latest[2].copy()
+        postures[:, 6] -= pose.yaw  # a hand that points down turns the other way
+        return postures
+
+
+class _UndecidedError(Exception):
+    """There is more than can be looked at."""

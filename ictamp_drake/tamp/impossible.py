@@ -1,0 +1,92 @@
+"""Actions that every plan of a task needs and that cannot be done, found by a sweep before the search."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import cache
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Action, Atom
+from ictamp_drake.planning.result import ActionReport
+from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
+from ictamp_drake.skills.grid import Face
+from ictamp_drake.skills.sweep import Sweep
+from ictamp_drake.symbolic.atoms import held_box, objects_beneath, supporters
+from ictamp_drake.symbolic.guides import MoveCount
+from ictamp_drake.tamp.task import Task
+
+
+def find_impossible(task: Task, goal: frozenset[Atom], skills: SkillsConfig) -> tuple[ActionReport, ...]:
+    """Return reports of the actions that every plan needs and for which no parameter on the grid is free.
+
+    Only the package's own skills are swept.
+
+    Args:
+        task: Task to solve.
+        goal: Atoms that must all hold at the end.
+        skills: Constants of the skills.
+    """
+    if type(skills.pick) is not PickConfig or type(skills.place) is not PlaceConfig or goal <= task.s:
+        return ()
+    sweep = Sweep(task.world, skills.motion, skills.pick, skills.place)
+    return tuple(_Needs(task, goal, sweep).impossible())
+
+
+class _Needs:
+    """Picks from initial poses and placements of the goal that every plan needs."""
+
+    def __init__(self, task: Task, goal: frozenset[Atom], sweep: Sweep) -> None:
+        self._task = task
+        self._sweep = sweep
+        self._refuse_grasps = cache(lambda box: sweep.refuse_grasps(task.c, box))
+        self._target = supporters(goal)
+        self._supporter = supporters(task.s)
+        self._to_move = MoveCount(task.domain, goal, 1.0).list_to_move(task.s, self._supporter)
+
+    def impossible(self) -> Iterator[ActionReport]:
+        """Yield a report of each needed action that is impossible."""
+        for box in sorted(self._to_move):
+            if (refused := self._refuse_grasps(box)) is not None:
+                yield _report(Action("pick", (box, self._supporter[box])), refused)
+        placed = [box for box in self._target if box in self._to_move or box == held_box(self._task.s)]
+        for box in sorted(placed, key=lambda box: (-len([*objects_beneath(box, self._target)]), box)):  # highest first
+            refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._faces(box)]
+            known = [each for each in refusals if each is not None]
+            if known and len(known) == len(refusals):
+                yield _report(Action("place", (box, self._target[box])), sum(known, Counter[str]()))
+
+    def _faces(self, box: str) -> list[Face]:
+        """Places of the box in the goal, one of which it will have; none if they are not known."""
+        world, c = self._task.world, self._task.c
+        beneath = list(objects_beneath(box, self._target))
+        lower = [name for name in beneath if name in world.sizes]
+        fixed = next((name for name in lower if self._is_stuck(name)), None)
+        if fixed is not None:
+            lower = lower[: lower.index(fixed)]
+            bases = [fixed]
+        elif beneath[-1] in world.spec.supports:
+            bases = beneath[-1:]
+        else:
+            spare = world.sizes.keys() - {box, *lower}
+            bases = [] if spare else list(world.spec.supports)
+        sizes = [world.upright_frame(c, name).size for name in lower]
+        height = sum(float(size[2]) for size in sizes)
+        play = sum(float(np.linalg.norm(size[:2])) / 2 for size in sizes)
+        return [
+            Face(world.X_WT(c, base) @ RigidTransform([0.0, 0.0, height]), world.top_size(c, base) / 2 + play)
+            for base in bases
+        ]
+
+    def _is_stuck(self, box: str) -> bool:
+        """Whether the box can never leave its initial pose, because it cannot be grasped, or one above it cannot."""
+        above = (name for name in self._supporter if box in (name, *objects_beneath(name, self._supporter)))
+        return box in self._supporter and any(self._refuse_grasps(name) is not None for name in above)
+
+
+def _report(action: Action, refused: Mapping[str, int]) -> ActionReport:
+    obstacles = Counter({name: count for name, count in refused.items() if name})
+    total, hit = sum(refused.values()), obstacles.total()
+    failures = Counter({Failure.GOAL_IN_COLLISION: hit, Failure.NO_INVERSE_KINEMATICS: total - hit})
+    return ActionReport(action, total, +failures, obstacles=obstacles)
