@@ -98,7 +98,7 @@ class _Sweep:
     def _submit(self, engine: Engine, slot: int) -> Future[Finished | None]:
         job = self.jobs[slot]
         timeout = job.method.longest + self.conduct.grace
-        task = begin_job if self.inline else run_job
+        task = partial(begin_job, folder=self.folder / job.name) if self.inline else run_job
         return engine.submit(task, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
 
     def _collect(self, future: Future[Finished | None], slot: int) -> Finished | None:

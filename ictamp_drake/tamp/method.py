@@ -307,7 +307,8 @@ SCENE_METHOD = Method(
 )
 """Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
+Adaptive allocation solves as many small scenes as the paper's rule, with fewer skills (`benchmarks/shortest.py`).
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
-thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first
-search and 30 (`benchmarks/opening.py`).
+thousands. With W = 30 the paper's rule would open plans all the time; with 3 it opens about as many as with
+breadth-first search and 30 (`benchmarks/opening.py`).
 """
