@@ -20,8 +20,9 @@ from ictamp_drake.tamp.method import SCENE_METHOD, Method
 class PlanOptions:
     """Plan in the scene of a file until its goal is reached, then execute and record the plan.
 
-    By default best-first search generates the high-level plans, and W is chosen for it. With --generator breadth-first,
-    use --planners.completion-tree.W 30.
+    By default best-first search generates the high-level plans, and adaptive allocation chooses what is computed next.
+    The paper's rule is --planner completion-tree; its W suits best-first search, and with --generator breadth-first use
+    --planners.completion-tree.W 30.
 
     Attributes:
         scene: YAML file of the scene.

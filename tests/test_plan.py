@@ -201,7 +201,8 @@ def test_a_bad_scene_is_refused_in_one_sentence(
 
 
 def test_the_generator_and_its_W_are_chosen_together() -> None:
-    chosen = [tyro.cli(PlanOptions, args=["scene.yaml"]).method.decisive, tyro.cli(Packing, args=[]).method.decisive]
+    own = tyro.cli(PlanOptions, args=["scene.yaml", "--planner", "completion-tree"])
+    chosen = [own.method.decisive, tyro.cli(Packing, args=[]).method.decisive]
     assert [tuple(options["generators"]) for options in chosen] == [("best_first",), ("breadth_first",)]
     assert [options["planners"]["completion_tree"]["W"] for options in chosen] == [3.0, 30.0]
 
@@ -228,6 +229,30 @@ def test_a_box_is_taken_from_between_its_neighbours_and_what_no_skill_moves_stay
     assert end is not None
     for name in set(solution.task.spec.boxes) - {attempt.action.args[0] for attempt in solution.result.plan}:
         np.testing.assert_allclose(end.poses[name], solution.task.c.poses[name], atol=1e-4)
+
+
+@pytest.mark.parametrize(("case", "skills"), [("02-pick-between-neighbours", 2), ("13-two-mixed-towers", 16)])
+def test_the_default_moves_what_it_must_and_no_more(case: str, skills: int) -> None:
+    method = replace(SCENE_METHOD, time_limit=250)
+    plan = solve(load(CASES / f"{case}.yaml", method), method).plan
+    assert plan is not None
+    assert len(plan) <= skills
+
+
+def test_the_search_goes_on_and_the_best_plan_is_kept(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = [str(folder / "scene.yaml"), "--out", str(tmp_path), "--artefacts", "plan", "--improve", "4", *LIMIT]
+    assert program.main("ictamp_drake.plan", PlanOptions, work, arguments) == COMPLETE
+    (record,) = read_records(tmp_path / "results.jsonl").values()
+    assert len(record.found) > 1
+    assert list(record.found) == sorted(record.found, key=lambda plan: (-plan[0], -plan[1], plan[2]))
+    assert record.found[0][2] == record.planning_time_s
+    assert (record.plan_length, record.plan_duration_s) == record.found[-1][:2]
+    plan = read_plan(tmp_path / "scene" / "plan.yaml")
+    assert (len(plan), round(plan.duration, 4)) == record.found[-1][:2]
+    assert plan.replay().reached
+    assert capsys.readouterr().out.count("found after") == len(record.found)
 
 
 def test_a_goal_that_holds_already_is_solved_by_an_empty_plan(

@@ -70,12 +70,13 @@ class Beliefs(Generic[C]):
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
         """Learn from an attempt; a failed one counts once for each k it tried.
 
-        A success that finished a plan counts as a failure if the plan was then rejected as a whole. When physics
-        refutes a step, its earlier success is withdrawn.
+        A success that finished a plan counts as a failure if the plan was then rejected as a whole, and so does one
+        that can no longer lead to a better plan than that which was found. When physics refutes a step, its earlier
+        success is withdrawn.
         """
         attempt, lineage = step.attempt, tree.lineage(step.node)
         action, obstacles = attempt.action, attempt.obstacles
-        success = step.child is not None and tree.candidates.get(step.child, True)
+        success = tree.serves(step)
         for edge in self._edges_at(tree, step.node, action):
             if step.refuted is not None:
                 edge.withdraw_success(lineage)

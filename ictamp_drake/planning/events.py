@@ -61,5 +61,18 @@ class Verified(Generic[C]):
     verified: bool
 
 
-Event = PlanOpened | StepStarted[Any] | StepDone[Any] | Verified[Any]
+@dataclass(frozen=True)
+class PlanFound(Generic[C]):
+    """A verified plan is the best so far, and the search goes on for a better one.
+
+    Attributes:
+        path: Attempts from the root to the goal.
+        seconds: Time since the start of the search [s].
+    """
+
+    path: tuple[Attempt[C], ...]
+    seconds: float
+
+
+Event = PlanOpened | StepStarted[Any] | StepDone[Any] | Verified[Any] | PlanFound[Any]
 Listener = Callable[[Event], None]

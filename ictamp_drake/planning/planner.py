@@ -13,9 +13,9 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import Estimator, PlanGenerator, RuleContext, SkillRunner
 from ictamp_drake.core.stopwatch import Stopwatch
 from ictamp_drake.core.types import Attempt, C, State
-from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
+from ictamp_drake.planning.events import Event, Listener, PlanFound, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.planning.proportional import ProportionalConfig
-from ictamp_drake.planning.result import PlanningResult, StopReason
+from ictamp_drake.planning.result import Found, PlanningResult, StopReason
 from ictamp_drake.planning.rule import OpenPlan, Rule, RuleConfig
 from ictamp_drake.planning.tree import ROOT, Node, RunStep, Tree
 
@@ -54,14 +54,18 @@ class PlannerConfig:
         budget: Limits after which the search gives up.
         max_expansions: Limit of the plan generator's expansions in one call (Algorithm 3, line 1).
         rule: Selection rule.
+        improve: Time after the first plan in which the search goes on for one with fewer skills or, with as many, a
+            shorter time of execution [s]. It has no other limit than this one and those on steps.
     """
 
     budget: Budget = Budget()
     max_expansions: int = 1000
     rule: RuleConfig = field(default_factory=ProportionalConfig)
+    improve: float = 0.0
 
     def __post_init__(self) -> None:
         check_range("max-expansions", self.max_expansions, 1, inf)
+        check_range("improve", self.improve, 0, inf, " s")
 
     def create(
         self,
@@ -123,22 +127,49 @@ class Planner(Generic[C]):
     _finished: list[int] = field(default_factory=list, init=False)
     _executed: set[int] = field(default_factory=lambda: {ROOT}, init=False)
     _geometric_at: float | None = field(default=None, init=False)
+    _found: list[Found] = field(default_factory=list, init=False)
 
     def __post_init__(self) -> None:
         self._stopwatch = Stopwatch(self.cpu_clock)
 
     def run(self) -> PlanningResult[C]:
-        """Search until a plan is verified, no option is left or the budget is spent; Ctrl-C ends the search cleanly."""
+        """Search until a plan is verified, no option is left or the budget is spent; Ctrl-C ends the search cleanly.
+
+        With `improve`, go on for a better plan; Ctrl-C then keeps the best.
+        """
         budget, limit = self.config.budget, self.config.budget.cpu_seconds
         start, cpu_start = self.clock(), self.cpu_clock()
         try:
             reason = self._search(start + budget.seconds, None if limit is None else cpu_start + limit)
+            end = self.clock() + self.config.improve
+            while reason is StopReason.SOLVED and self._goes_on(start, cpu_start):
+                reason = self._search(end, None)
         except KeyboardInterrupt:
             reason = StopReason.STOPPED
         candidate = self._finished[-1] if self._finished else None
-        seconds = self.clock() - start
+        found = tuple(self._found)
+        if found:
+            reason, candidate, spent = StopReason.SOLVED, found[-1].node, found[0]
+        else:
+            spent = self._spend(start, cpu_start, ROOT)
         geometric = None if self._geometric_at is None else self._geometric_at - cpu_start
-        return PlanningResult(self.tree, reason, seconds, self._seconds_by_stage(), candidate, geometric)
+        return PlanningResult(
+            self.tree, reason, spent.seconds, spent.cpu_seconds, spent.seconds_by_stage, candidate, geometric, found
+        )
+
+    def _goes_on(self, start: float, cpu_start: float) -> bool:
+        """Keep the verified plan that was just found, and say whether to look for a better one."""
+        node = self._finished[-1]
+        self._found.append(self._spend(start, cpu_start, node))
+        if not self.config.improve or not self.tree.nodes[node].depth:
+            return False
+        self.tree.keep_better(node)
+        self._tell(PlanFound(self.tree.path(node), self._found[-1].seconds))
+        return True
+
+    def _spend(self, start: float, cpu_start: float, node: int) -> Found:
+        seconds, cpu_seconds = self.clock() - start, self.cpu_clock() - cpu_start
+        return Found(node, seconds, cpu_seconds, self._seconds_by_stage(), len(self.tree.log))
 
     def _search(self, deadline: float, cpu_deadline: float | None) -> StopReason:
         self.tree.exhausted = self.generator.exhausted
@@ -149,6 +180,7 @@ class Planner(Generic[C]):
             if (
                 reached is not None
                 and self.tree.is_finished(reached)
+                and self._can_be_best(reached)
                 and self._is_executed(reached)
                 and self._is_verified(reached)
             ):
@@ -189,6 +221,12 @@ class Planner(Generic[C]):
         child = None if step.child is None else self.tree.nodes[step.child]
         self._tell(StepDone(node, attempt, child))
         return child
+
+    def _can_be_best(self, node: Node[C]) -> bool:
+        better = self.tree.can_be_best(node)
+        if not better:
+            self.tree.candidates[node.index] = False
+        return better
 
     def _is_executed(self, node: Node[C]) -> bool:
         """Whether physics confirms every step that leads to the node; executes the steps that were only promised."""

@@ -8,7 +8,7 @@ from typing import Generic
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, C
-from ictamp_drake.planning.tree import Tree
+from ictamp_drake.planning.tree import Opening, Step, Tree
 
 
 class StopReason(Enum):
@@ -66,35 +66,61 @@ class ActionReport:
         return line
 
 
+@dataclass(frozen=True)
+class Found:
+    """A verified plan that is better than all before.
+
+    Attributes:
+        node: Number of the node at the goal.
+        seconds: Time since the start of the search [s].
+        cpu_seconds: Processor time since the start of the search [s].
+        seconds_by_stage: Computing time by stage until then [s].
+        entries: Number of entries of the tree's log by then.
+    """
+
+    node: int
+    seconds: float
+    cpu_seconds: float
+    seconds_by_stage: Mapping[str, float]
+    entries: int
+
+
 @dataclass(frozen=True, eq=False)
 class PlanningResult(Generic[C]):
     """Outcome of one search.
 
+    If the search went on after its first plan, all times and counts end with that plan.
+
     Attributes:
         tree: Completion tree with everything that was tried.
         stop_reason: Reason why the search ended.
-        planning_time_s: Time from start to end, verification included [s].
+        planning_time_s: Time from the start to the first plan, verification included, or to the end [s].
+        cpu_time_s: Processor time over the same span [s].
         seconds_by_stage: Computing time of the skills' own stages and of "plan_generator", "selection" (the choice of
             the next option, mostly time of the estimator) and "verification" [s].
-        candidate: Number of the node at the goal whose path is `plan`: the verified one, or else the last one found.
+        candidate: Number of the node at the goal whose path is `plan`: the best verified one, or else the last one
+            found.
         geometric_time_s: Processor time from the start until the first plan was finished, before any of its steps ran
             in physics [s]. None when no plan was finished, or when each step runs in physics at once.
         impossible: Reports of actions that every plan needs and for which no parameter on a grid is free. There was no
             search.
+        found: Verified plans in order, each better than the one before.
     """
 
     tree: Tree[C]
     stop_reason: StopReason
     planning_time_s: float
+    cpu_time_s: float
     seconds_by_stage: Mapping[str, float]
     candidate: int | None
     geometric_time_s: float | None = None
     impossible: tuple[ActionReport, ...] = ()
+    found: tuple[Found, ...] = ()
 
     @property
     def solved(self) -> bool:
         """True when a plan was found and verified as a whole."""
-        return self.tree.solution is not None
+        return bool(self.found)
 
     @property
     def verified(self) -> bool | None:
@@ -114,29 +140,29 @@ class PlanningResult(Generic[C]):
     @property
     def high_level_plans(self) -> int:
         """Number of plans opened."""
-        return sum(opening.plan is not None for opening in self.tree.openings)
+        return sum(isinstance(entry, Opening) and entry.plan is not None for entry in self._log)
 
     @property
     def low_level_steps(self) -> int:
         """Number of skill runs."""
-        return len(self.tree.steps)
+        return len(self._steps)
 
     @property
     def steps_by_depth(self) -> tuple[int, ...]:
         """Number of steps that started from nodes of depth 0, 1, ... up to the deepest node tried."""
-        depths = Counter(self.tree.nodes[step.node].depth for step in self.tree.steps)
+        depths = Counter(self.tree.nodes[step.node].depth for step in self._steps)
         return tuple(depths[depth] for depth in range(max(depths, default=-1) + 1))
 
     @property
     def failures(self) -> Counter[Failure]:
         """Number of failed steps by cause."""
-        return Counter(step.attempt.failure for step in self.tree.steps if step.attempt.failure is not None)
+        return Counter(step.attempt.failure for step in self._steps if step.attempt.failure is not None)
 
     @property
     def reports(self) -> dict[Action, ActionReport]:
         """Report of each attempted action, in order of first attempt."""
         reports: dict[Action, ActionReport] = {}
-        for step in self.tree.steps:
+        for step in self._steps:
             report = reports.setdefault(step.attempt.action, ActionReport(step.attempt.action))
             report.attempts += 1
             report.rejections.update(step.attempt.rejections)
@@ -150,6 +176,15 @@ class PlanningResult(Generic[C]):
         """Reports of the actions that are impossible or never succeeded, most attempted first."""
         reports = [report for report in self.reports.values() if report.is_blocked]
         return [*self.impossible, *sorted(reports, key=lambda report: -report.attempts)]
+
+    @property
+    def _log(self) -> list[Opening | Step[C]]:
+        """Log of the tree, up to the first plan if there is one."""
+        return self.tree.log[: self.found[0].entries] if self.found else self.tree.log
+
+    @property
+    def _steps(self) -> list[Step[C]]:
+        return [entry for entry in self._log if isinstance(entry, Step)]
 
 
 def _format_causes(causes: Counter[Failure]) -> str:

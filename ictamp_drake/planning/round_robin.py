@@ -38,4 +38,6 @@ class RoundRobin(Generic[C]):
             self._round.extend(plans)
             self._round.extend([] if tree.exhausted else [None])
         plan = self._round.popleft()
+        if plan is not None and not tree.holders[plan]:
+            return self.choose(tree, rng)
         return OpenPlan() if plan is None else draw_node(tree, plan, rng)

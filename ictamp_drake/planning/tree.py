@@ -95,7 +95,8 @@ class Tree(Generic[C]):
         plans: Every known plan, opened ones and suffixes, in order of appearance.
         holders: Numbers of the nodes that hold each plan.
         log: Openings and steps in chronological order.
-        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified.
+        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified; False also for a
+            plan that is no better than one before.
         refuted: Nodes that physics did not reach, and all nodes below them; `holders` no longer lists them.
         exhausted: True when there are no further plans.
     """
@@ -108,6 +109,7 @@ class Tree(Generic[C]):
         self.candidates: dict[int, bool] = {}
         self.refuted: set[int] = set()
         self.exhausted = False
+        self._best: tuple[int, float] | None = None
         self._numbers: dict[Skeleton, int] = {}
         self._lineages: list[tuple[int, ...]] = [(ROOT,)]
         self._ways: list[tuple[Action, ...]] = [()]
@@ -146,12 +148,12 @@ class Tree(Generic[C]):
         if not isinstance(last, Step) or last.child is None or self.is_finished(self.nodes[last.child]):
             return None
         (rest,) = self.nodes[last.child].cnt
-        return RunStep(last.child, rest)
+        return RunStep(last.child, rest) if last.child in self.holders[rest] else None
 
     @property
     def solution(self) -> int | None:
-        """Number of the first node whose plan was verified."""
-        return next((node for node, verified in self.candidates.items() if verified), None)
+        """Number of the latest node whose plan was verified, which is the best one."""
+        return next((node for node, verified in reversed(self.candidates.items()) if verified), None)
 
     def is_finished(self, node: Node[C]) -> bool:
         """Whether the node holds an empty plan, that is, whether a plan was carried out up to this node."""
@@ -208,11 +210,41 @@ class Tree(Generic[C]):
             if node in self.lineage(each.index) and each.index not in self.refuted:
                 self.refuted.add(each.index)
                 for plan in each.cnt:
-                    self.holders[plan].remove(each.index)
+                    if each.index in self.holders[plan]:
+                        self.holders[plan].remove(each.index)
         _, led = self._step_to(node)
         step = Step(led.node, led.plan, attempt, None, node)
         self._count(step)
         return step
+
+    def keep_better(self, node: int) -> None:
+        """Keep, as plans to run, only those that can be better than the plan that ends in this node.
+
+        Better is what has fewer skills or, with as many, takes less time to execute.
+        """
+        self._best = self._measure(self.nodes[node])
+        for plan, holders in zip(self.plans, self.holders, strict=True):
+            holders[:] = [holder for holder in holders if self.can_be_best(self.nodes[holder], plan)]
+
+    def can_be_best(self, node: Node[C], plan: Skeleton | None = None) -> bool:
+        """Whether the plan that leads to the node, continued by `plan`, can be better than those that were kept."""
+        if self._best is None:
+            return True
+        skills, duration = self._measure(node)
+        return (skills + len(plan.actions if plan else ()), duration) < self._best
+
+    def serves(self, step: Step[C]) -> bool:
+        """Whether a step succeeded and what it led to was neither rejected as a whole nor too long to be the best."""
+        if step.child is None:
+            return False
+        child = self.nodes[step.child]
+        if self.is_finished(child):
+            return self.candidates.get(child.index, True)
+        return any(self.can_be_best(child, self.plans[plan]) for plan in child.cnt)
+
+    def _measure(self, node: Node[C]) -> tuple[int, float]:
+        """Number of skills that lead to the node, and the duration of their motions [s]."""
+        return node.depth, sum(attempt.duration for attempt in self.path(node.index))
 
     def _step_to(self, node: int) -> tuple[int, Step[C]]:
         """Index in the log of the step that led to the node, and the step."""
@@ -274,7 +306,8 @@ class Tree(Generic[C]):
             self.holders.append([])
         if number not in node.cnt:
             node.cnt[number] = 0
-            self.holders[number].append(node.index)
+            if self.can_be_best(node, plan):
+                self.holders[number].append(node.index)
         return number
 
     def _graft(self, plan: Skeleton) -> None:

@@ -6,13 +6,17 @@ worst case is a number on the screen that is wrong for a moment.
 
 import ctypes
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from multiprocessing.context import SpawnContext
 from typing import NamedTuple
 
-from ictamp_drake.planning.events import Event, PlanOpened, StepDone, StepStarted, Verified
+from ictamp_drake.planning.events import Event, PlanFound, PlanOpened, StepDone, StepStarted, Verified
 
 _TEXT = 80
+
+
+def _look_away() -> None:
+    """Ignore what was found, since another process follows the board."""
 
 
 class _Slot(ctypes.Structure):
@@ -22,6 +26,8 @@ class _Slot(ctypes.Structure):
         ("plans", ctypes.c_int),
         ("steps", ctypes.c_int),
         ("doing", ctypes.c_char * _TEXT),
+        ("found", ctypes.c_int),
+        ("best", ctypes.c_char * _TEXT),
     )
 
 
@@ -34,6 +40,8 @@ class Running(NamedTuple):
         plans: Number of high-level plans opened.
         steps: Number of low-level steps done.
         doing: Text about the current activity.
+        found: Number of plans found, while the search goes on for a better one.
+        best: Text about the best plan.
     """
 
     slot: int
@@ -41,12 +49,19 @@ class Running(NamedTuple):
     plans: int
     steps: int
     doing: str
+    found: int
+    best: str
 
 
 class Board:
-    """One slot for each problem, and a stop flag."""
+    """One slot for each problem, and a stop flag.
+
+    Attributes:
+        watch: Function that is called with each plan that a search in this process found and goes on from.
+    """
 
     def __init__(self, context: SpawnContext, count: int) -> None:
+        self.watch: Callable[[], None] = _look_away
         self._slots = context.RawArray(_Slot, count)
         self._stopping = context.RawValue(ctypes.c_bool, False)
         self._url = context.RawArray(ctypes.c_char, _TEXT)
@@ -72,7 +87,7 @@ class Board:
     def start(self, slot: int) -> None:
         """Mark the start of the work on a problem."""
         here = self._slots[slot]
-        here.started, here.plans, here.steps = time.monotonic(), 0, 0
+        here.started, here.plans, here.steps, here.found = time.monotonic(), 0, 0, 0
         self._say(slot, "loading the scene")
         here.running = True
 
@@ -98,6 +113,12 @@ class Board:
                 self._say(slot, "looking for a plan" if event.child is None else "verifying the plan")
             case Verified():
                 self._say(slot, "writing" if event.verified else "looking for a plan")
+            case PlanFound():
+                skills, duration = len(event.path), sum(attempt.duration for attempt in event.path)
+                text = f"{skills} skills, {duration:.1f} s long, found after {event.seconds:.1f} s of search"
+                here.best = text.encode()[: _TEXT - 1]
+                here.found += 1
+                self.watch()
 
     def _say(self, slot: int, text: str) -> None:
         self._slots[slot].doing = text.encode()[: _TEXT - 1]
@@ -106,5 +127,5 @@ class Board:
         """Yield the problems that are being solved now."""
         for number, slot in enumerate(self._slots):
             if slot.running:
-                doing = slot.doing.decode(errors="replace")
-                yield Running(number, self.seconds(number), slot.plans, slot.steps, doing)
+                doing, best = slot.doing.decode(errors="replace"), slot.best.decode(errors="replace")
+                yield Running(number, self.seconds(number), slot.plans, slot.steps, doing, slot.found, best)

@@ -34,6 +34,7 @@ class Progress:
         self._earlier = total - len(names)
         self._solved_earlier = solved
         self._records: dict[str, Record] = {}
+        self._told: dict[int, int] = {}
         self._board: Board | None = None
         self._start = time.monotonic()
         self._live = (
@@ -54,8 +55,12 @@ class Progress:
             self._live.stop()
 
     def __call__(self, board: Board, records: Sequence[Record]) -> None:
-        """Show new records and refresh the display. See `sweep.Watch`."""
+        """Show new records, and new plans of searches that go on; refresh the display. See `sweep.Watch`."""
         self._board = board
+        for running in board.list_running():
+            if running.found > self._told.get(running.slot, 0):
+                self._told[running.slot] = running.found
+                self._console.print(f"{self._names[running.slot]}  {running.best}", soft_wrap=True)
         for record in records:
             self._records[record.name] = record
             self._console.print(outcome(record), soft_wrap=True)
@@ -105,7 +110,12 @@ def outcome(record: Record) -> Text:
     if record.solved and not record.plan_length:
         line = Text(f"{record.name}  nothing to do: the goal holds at the start", "green")
     elif record.solved:
-        line = Text(f"{record.name}  solved with {format_count(record.plan_length or 0, 'skill')} {after}", "green")
+        first = int(record.found[0][0]) if record.found else record.plan_length or 0
+        line = Text(f"{record.name}  solved with {format_count(first, 'skill')} {after}", "green")
+        if record.found[1:]:
+            skills, duration, seconds = record.found[-1]
+            best = f"{format_count(int(skills), 'skill')} that take {duration:.1f} s"
+            line.append(f", improved from {record.found[0][1]:.1f} s to {best} after {seconds:.1f} s")
     elif record.error is None:
         line = Text(f"{record.name}  not solved {after}: {StopReason[record.stop_reason]}", "yellow")
     else:

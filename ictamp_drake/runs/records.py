@@ -61,6 +61,10 @@ class Record:
         failures: Number of failed low-level steps by cause.
         rejections: Number of rejected parameters k by cause, without the last k of each step.
         seconds_by_stage: Computing time by stage [s]. "setup" is loading and building the scene.
+        found: Plans in the order in which they were found, with --improve: of each its number of skills, the duration
+            of its motions [s], and the planning time by then [s]. `plan_length` and `plan_duration_s` are those of the
+            last one, the best. All other times and counts end with the first one.
+        stuck: Whether boxes were in the way of blocked actions, and the planner never asks for plans that move them.
         replay_time_s: Computing time of one execution of the found plan [s]. None when unsolved. Earlier versions
             executed the plan a second time for this, with the whole scene awake and recorded.
         blocked: Number of rejected parameters k by cause, for each action that was tried and never succeeded, or that
@@ -91,6 +95,8 @@ class Record:
     failures: dict[str, int] = field(default_factory=dict)
     rejections: dict[str, int] = field(default_factory=dict)
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
+    found: tuple[tuple[float, ...], ...] = ()
+    stuck: bool = False
     replay_time_s: float | None = None
     blocked: dict[str, dict[str, int]] = field(default_factory=dict)
     obstacles: dict[str, dict[str, int]] = field(default_factory=dict)
@@ -116,6 +122,7 @@ class Record:
             verified=self.verified,
             planning_time_s=self.planning_time_s,
             generating_time_s=self.seconds_by_stage.get("plan_generator", 0.0),
+            stuck=self.stuck,
         )
 
     @property
@@ -133,6 +140,8 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
     """The record of a search that came to its end."""
     result = solution.result
     plan = result.plan if result.solved else None
+    before = solution.planning_time_s - result.planning_time_s
+    found = zip(solution.plans, result.found, strict=True) if solution.method.improve else ()
     return Record(
         problem=problem,
         strategy=strategy,
@@ -157,6 +166,8 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
             "setup": _round_seconds(solution.setup_time_s),
             **{stage: _round_seconds(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
+        found=tuple((len(p), *map(_round_seconds, (p.duration, before + each.seconds))) for p, each in found),
+        stuck=solution.explain().stuck,
         replay_time_s=None if solution.execution_time_s is None else _round_seconds(solution.execution_time_s),
         blocked={str(report.action): _to_names(report.refusals) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},

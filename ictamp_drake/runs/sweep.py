@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from ictamp_drake.core.errors import IctampError
@@ -49,6 +50,8 @@ def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch, *, 
     learned = any(job.method.learned for job in jobs)
     start = (start_worker, board if shared else None, learned, conduct.meshcat)
     watch(board, [])
+    if conduct.engine.is_inline(alone):
+        board.watch = partial(watch, board, [])
     with _ctrl_c_stops(board), conduct.engine.start(len(jobs), *start, alone=alone) as engine:
         _Sweep(jobs, folder, conduct, board, watch, conduct.engine.is_inline(alone)).run(engine)
     return not board.stopping
@@ -94,8 +97,8 @@ class _Sweep:
 
     def _submit(self, engine: Engine, slot: int) -> Future[Finished | None]:
         job = self.jobs[slot]
-        timeout = job.method.time_limit + self.conduct.grace
-        task = begin_job if self.inline else run_job
+        timeout = job.method.longest + self.conduct.grace
+        task = partial(begin_job, folder=self.folder / job.name) if self.inline else run_job
         return engine.submit(task, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
 
     def _collect(self, future: Future[Finished | None], slot: int) -> Finished | None:
@@ -137,7 +140,7 @@ class _Sweep:
         self.board.finish(slot)
         job = self.jobs[slot]
         if isinstance(error, TimeoutError):
-            seconds = job.method.time_limit + self.conduct.grace
+            seconds = job.method.longest + self.conduct.grace
             return job.make_failure_record(HUNG, seconds, f"ended after {seconds:g} s")
         twice = " for the second time" if slot in self._repeated else ""
         return job.make_failure_record(CRASHED, self.board.seconds(slot), f"the process died{twice}: {error!r}")

@@ -17,7 +17,7 @@ from ictamp_drake.runs.jobs import CRASHED, Finished, Job, Pages
 from ictamp_drake.runs.pool import CONTEXT, end_with_parent
 from ictamp_drake.runs.records import record_of
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.tamp.artefacts import Artefacts, write_pages, write_result
+from ictamp_drake.tamp.artefacts import Artefacts, keep_plan, write_pages, write_result
 from ictamp_drake.tamp.solve import Solution, solve
 from ictamp_drake.tamp.task import prepare
 
@@ -86,8 +86,11 @@ def run_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
     return finished
 
 
-def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
-    """Solve a problem, but leave its pages to be made later in this process. See `run_job`."""
+def begin_job(slot: int, job: Job, artefacts: Artefacts, folder: Path | None = None) -> Finished | None:
+    """Solve a problem, but leave its pages to be made later in this process. See `run_job`.
+
+    If the search goes on after its first plan, each plan is written into `folder` as soon as it is found.
+    """
     board = _Process.board
     if board.stopping:
         return None
@@ -95,12 +98,15 @@ def begin_job(slot: int, job: Job, artefacts: Artefacts) -> Finished | None:
     record, files, pages = None, dict[str, bytes](), None
     try:
         task = job.task or prepare(job.problem.spec, job.method, job.problem.name)
-        solution = solve(task, job.method, listeners=_listeners(board, slot, task.spec), stop=lambda: board.stopping)
+        listeners = _listeners(board, slot, task.spec)
+        if folder is not None and artefacts != "none":
+            listeners.append(partial(keep_plan, task, job.method, folder))
+        solution = solve(task, job.method, listeners=listeners, stop=lambda: board.stopping)
         record = record_of(job.problem.name, job.strategy, job.problem.level, job.method.seed, solution)
         if artefacts != "none":
-            with _folder(job.problem.name) as folder:
-                write_result(solution, folder)
-                files = _contents(folder)
+            with _folder(job.problem.name) as temporary:
+                write_result(solution, temporary)
+                files = _contents(temporary)
         if artefacts == "all":
             pages = partial(_pages, slot, solution, job.problem.name)
     except Exception:

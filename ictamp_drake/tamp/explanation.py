@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ictamp_drake.core.failures import Cause, Failure
+from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.result import PlanningResult, StopReason
+from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.skills.config import GRID_STEP, GRID_TURN
 from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, RefusedAction
 
@@ -84,6 +86,7 @@ class Explanation:
             was executed again; None when nothing was verified.
         planning_time_s: Planning time [s].
         generating_time_s: Part of the planning time that was spent on finding high-level plans [s].
+        stuck: Whether boxes were in the way of blocked actions, and the planner never asks for plans that move them.
         scene: Scene of the search; None when it is not available, as in records.
         start: Initial configuration c_0; None when it is not available.
     """
@@ -96,12 +99,20 @@ class Explanation:
     verified: bool | None = None
     planning_time_s: float = 0.0
     generating_time_s: float = 0.0
+    stuck: bool = False
     scene: "SceneSpec | None" = field(default=None, compare=False, repr=False)
     start: "Configuration | None" = field(default=None, compare=False, repr=False)
 
     @classmethod
-    def of(cls, result: PlanningResult[Any], planning_time_s: float, scene: "SceneSpec | None" = None) -> "Explanation":
-        """Return the explanation of a search in a scene that took `planning_time_s` [s]."""
+    def of(
+        cls,
+        result: PlanningResult[Any],
+        planning_time_s: float,
+        scene: "SceneSpec | None" = None,
+        rule: RuleConfig | None = None,
+    ) -> "Explanation":
+        """Return the explanation of a search in a scene, by a rule, that took `planning_time_s` [s]."""
+        boxes = scene.boxes.keys() if scene else ()
         swept = result.stop_reason is StopReason.IMPOSSIBLE
         return cls(
             stop_reason=result.stop_reason.name,
@@ -115,6 +126,8 @@ class Explanation:
             verified=result.verified,
             planning_time_s=planning_time_s,
             generating_time_s=result.seconds_by_stage.get("plan_generator", 0.0),
+            stuck=not isinstance(rule, AdaptiveConfig | None)
+            and any(report.obstacles.keys() & boxes for report in result.blocked),
             scene=scene,
             start=result.tree.root.c,
         )
@@ -159,6 +172,8 @@ class Explanation:
             failed = f"{sum(self.failures.values())} of {self.steps} steps failed"
             causes = f": {list_causes(self.failures)}" if self.failures else ""
             yield f"every action that was tried succeeded at least once; {failed}{causes}"
+        if self.stuck:
+            yield "--planner adaptive moves boxes that are in the way"
 
     @property
     def reasons(self) -> Reasons:

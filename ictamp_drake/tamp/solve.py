@@ -38,8 +38,8 @@ class Solution:
     Attributes:
         task: Task that was solved.
         result: Result of the search.
-        planning_time_s: Time for building the scene and for the search [s].
-        cpu_time_s: Processor time of this process for building the scene and for the search [s].
+        planning_time_s: Time for building the scene and for the search, up to its first plan [s].
+        cpu_time_s: Processor time of this process over the same span [s].
         setup_time_s: Part of the processor time that was spent before the search [s].
         geometric_time_s: Processor time until the first plan was finished, before any of its steps ran in physics [s];
             None when no plan was finished, or when each step runs in physics at once.
@@ -56,14 +56,20 @@ class Solution:
 
     @property
     def plan(self) -> Plan | None:
-        """Plan that was found and executed; None when there is none, see `explain`."""
-        if not self.result.solved or self.result.plan is None:
+        """Best plan that was found and executed; None when there is none, see `explain`."""
+        if not self.result.found:
             return None
-        return Plan(self.task.spec, self.task.c, self.result.plan, Origin.of(self.method))
+        return self.plans[-1]
+
+    @property
+    def plans(self) -> tuple[Plan, ...]:
+        """Every plan that was found, each better than the one before; more than one only with `improve`."""
+        paths = (self.result.tree.path(found.node) for found in self.result.found)
+        return tuple(Plan(self.task.spec, self.task.c, path, Origin.of(self.method)) for path in paths)
 
     def explain(self) -> Explanation:
         """Explain why the search ended, what refused each blocked action, and what would help; `str` of it is text."""
-        return Explanation.of(self.result, self.planning_time_s, self.task.spec)
+        return Explanation.of(self.result, self.planning_time_s, self.task.spec, self.method.rule_config)
 
     @property
     def kinematic_time_s(self) -> float:
@@ -118,7 +124,7 @@ def solve(
     )
     if task.goal <= task.s:  # the empty plan is found at once, however short the limits are
         budget = Budget()
-    planner = PlannerConfig(budget, method.max_expansions, method.rule_config).create(
+    planner = PlannerConfig(budget, method.max_expansions, method.rule_config, method.improve).create(
         c=task.c,
         s=task.s,
         generator=method.generator_config.create(GeneratorContext(task.domain, task.s, task.goal)),
@@ -130,16 +136,15 @@ def solve(
         listeners=listeners,
         stop=stop,
     )
-    setup = task.setup_cpu_time_s + process_time() - cpu_started
+    before, setup = task.setup_time_s + perf_counter() - started, task.setup_cpu_time_s + process_time() - cpu_started
     result = planner.run() if not impossible else _no_search(task, impossible)
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
-    planning = task.setup_time_s + perf_counter() - started
-    cpu_time = task.setup_cpu_time_s + process_time() - cpu_started
+    planning, cpu_time = before + result.planning_time_s, setup + result.cpu_time_s
     return Solution(task, result, planning, cpu_time, setup, geometric, method)
 
 
 def _no_search(task: Task, impossible: tuple[ActionReport, ...]) -> PlanningResult[Configuration]:
-    return PlanningResult(Tree(task.c, task.s), StopReason.IMPOSSIBLE, 0.0, {}, None, impossible=impossible)
+    return PlanningResult(Tree(task.c, task.s), StopReason.IMPOSSIBLE, 0.0, 0.0, {}, None, impossible=impossible)
 
 
 def verifier(task: Task, method: Method) -> Verify[Configuration]:

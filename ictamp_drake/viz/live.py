@@ -3,7 +3,7 @@
 from pydrake.geometry import Meshcat
 
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.planning.events import Event, Listener, PlanOpened, StepDone, StepStarted, Verified
+from ictamp_drake.planning.events import Event, Listener, PlanFound, PlanOpened, StepDone, StepStarted, Verified
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.stage import PREFIX, Stage, start_meshcat
 
@@ -47,5 +47,5 @@ def configuration(event: Event) -> Configuration | None:
             return node.c
         case StepDone(attempt=attempt):
             return attempt.successor
-        case PlanOpened():
+        case PlanOpened() | PlanFound():
             return None

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import small_scenes
 from benchmarks.scenes import COUNT, KINDS, SCENES, WARM_UP, write_scenes
+from benchmarks.small_scenes import SMALL
 from ictamp_drake.scenes.spec import load_scene
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.task import load
@@ -46,3 +48,18 @@ def test_the_scenes_with_and_without_bystanders_share_their_cubes() -> None:
     assert (len(many.boxes), len(few.boxes)) == (21, 4)
     assert few.boxes.items() <= many.boxes.items()
     assert few.supports == many.supports
+
+
+def test_small_scenes_are_committed_as_their_generator_writes_them(tmp_path: Path) -> None:
+    small_scenes.write_scenes(tmp_path)
+    written = {path.relative_to(tmp_path): path.read_bytes() for path in tmp_path.rglob("*.yaml")}
+    assert written == {path.relative_to(SMALL): path.read_bytes() for path in SMALL.rglob("*.yaml")}
+    assert len(written) == 2 * small_scenes.COUNT
+
+
+@pytest.mark.parametrize(("group", "most"), small_scenes.MOST_BOXES.items())
+def test_no_goal_of_a_small_scene_holds_at_its_start(group: str, most: int) -> None:
+    for path in sorted((SMALL / group).glob("*.yaml"))[::5]:
+        task = load(path, Method())
+        assert 2 <= len(task.spec.boxes) <= most
+        assert not task.goal <= task.s

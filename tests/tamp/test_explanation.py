@@ -2,14 +2,20 @@
 
 from collections import Counter
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action
+from ictamp_drake.core.types import Action, Attempt
+from ictamp_drake.planning.adaptive import AdaptiveConfig
+from ictamp_drake.planning.els import ElsConfig
+from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.planning.result import StopReason
+from ictamp_drake.planning.rule import RuleConfig
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.tamp.explanation import SHOWN, Blocked, Explanation
-from tests.toy_world import ToyWorld, toy_planner
+from tests.toy_world import ToyConfiguration, ToyWorld, toy_planner
 
 IN_COLLISION, NO_PATH, SLIPPED = Failure.GOAL_IN_COLLISION, Failure.NO_PATH, Failure.SLIPPED
 
@@ -51,6 +57,28 @@ def test_the_explanation_of_a_search_has_what_blocked_it() -> None:
     assert [blocked.action for blocked in explanation.blocked] == [str(report.action) for report in result.blocked]
     assert sum(explanation.blocked[0].refusals.values()) == 5
     assert explanation.blocked[0].advice in str(explanation)
+
+
+class _Crowd(ToyWorld):
+    """A world in which one thing is in the way of every step."""
+
+    def attempt(self, *arguments: Any) -> Attempt[ToyConfiguration]:
+        return Attempt(arguments[1], IN_COLLISION, obstacles=("tall_box",))
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "rule", "advised"),
+    [("tall_box", ProportionalConfig(), True), ("tall_box", AdaptiveConfig(), False), ("x", ElsConfig(), False)],
+)
+def test_a_planner_that_leaves_boxes_in_the_way_advises_the_one_that_moves_them(
+    obstacle: str, rule: RuleConfig, advised: bool
+) -> None:
+    table = SupportSpec(kind="table", position=(0.3, 0.0, 0.0))
+    box = BoxSpec((0.05, 0.05, 0.05), (0.5, 0.0, 0.025))
+    scene = SceneSpec(supports={"table": table}, boxes={obstacle: box}, goal=f"(on {obstacle} table)")
+    explanation = Explanation.of(toy_planner(_Crowd(), steps=3).run(), 1.0, scene, rule)
+    assert explanation.stuck is advised
+    assert ("--planner adaptive" in str(explanation).splitlines()[-1]) is advised
 
 
 def test_a_solved_problem_needs_no_explanation() -> None:
