@@ -291,10 +291,14 @@ class Method:
         return Budget(max(0.0, self.time_limit - elapsed), self.max_steps, cpu_seconds)
 
 
-SCENE_METHOD = Method(generator="best-first", planners=Planners(completion_tree=ProportionalConfig(W=3.0)))
+SCENE_METHOD = Method(
+    generator="best-first",
+    planners=Planners(completion_tree=ProportionalConfig(W=3.0)),
+    skills=SkillsConfig(look_ahead=64),
+)
 """Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
 thousands. With W = 30 the rule would open plans all the time; with 3 it opens about as many as with breadth-first
-search and 30 (`benchmarks/opening.py`).
+search and 30 (`benchmarks/opening.py`). Looking ahead keeps towers within reach (`benchmarks/reach.py`).
 """
