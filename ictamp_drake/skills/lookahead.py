@@ -59,7 +59,7 @@ class Lookahead:
         yield from chain(late, drawing)
 
     def _list_ahead(self, c: Configuration, plan: Skeleton) -> list[FloatArray]:
-        """Later boxes that the plan puts on top of the one that its first action places; empty when that places nothing.
+        """Boxes that the plan later puts on top of the one that its first action places, if it places one.
 
         Returns:
             For each later box, how far its center can be from that of the first box along both axes of its top face,
