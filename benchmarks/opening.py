@@ -15,7 +15,7 @@ import numpy as np
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
+from ictamp_drake.core.types import Atom, Attempt, Parameter, Skeleton, State
 from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.planner import Budget, PlannerConfig
 from ictamp_drake.planning.proportional import ProportionalConfig
@@ -50,10 +50,11 @@ class Skills:
     draws: int = 1
 
     def attempt(
-        self, c: Configuration, action: Action, promised: State, rng: np.random.Generator, k: Parameter | None = None
+        self, c: Configuration, plan: Skeleton, rng: np.random.Generator, k: Parameter | None = None
     ) -> Attempt[Configuration]:
         """Run the action once; k has no effect."""
         del k
+        action, promised = plan.actions[0], plan.states[1]
         words = [int.from_bytes(word.encode()[-4:], "big") for word in (action.name, *action.args)]
         kind = generator(Stream.DATA, *self.scene, *words).random()
         aside = action.name == "place" and Atom(ON, action.args) not in self.goal

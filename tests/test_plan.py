@@ -218,6 +218,12 @@ def test_a_crowd_of_bystanders_makes_the_first_plan_no_harder_to_find() -> None:
     assert stream.expanded <= 20
 
 
+@pytest.mark.parametrize("case", ["f3-many-bystanders", "files/f10-thirty-boxes"])
+def test_crowds_are_planned_in_by_default(case: str) -> None:
+    solution = solve(load(CASES / f"{case}.yaml"), time_limit=250, max_steps=100)
+    assert solution.plan is not None, solution.result.stop_reason
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("case", ["neighbours-8-mm", "neighbours-on-two-sides"])
 def test_a_box_is_taken_from_between_its_neighbours_and_what_no_skill_moves_stays(case: str, seed: int) -> None:

@@ -94,12 +94,12 @@ class ToyWorld:
     def attempt(
         self,
         c: ToyConfiguration,
-        action: Action,
-        promised: State,
+        plan: Skeleton,
         rng: np.random.Generator,
         k: Parameter | None = None,
     ) -> Attempt[ToyConfiguration]:
         """Run one step from c; draws exactly two random numbers."""
+        action, promised = plan.actions[0], plan.states[1]
         offset, luck = (float(value) for value in rng.random(2))
         if k is not None:
             offset = float(k[0])

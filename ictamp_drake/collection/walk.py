@@ -13,7 +13,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.core.types import Action, Attempt, Configuration, State
+from ictamp_drake.core.types import Action, Attempt, Configuration, Skeleton, State
 from ictamp_drake.learning.dataset import AttemptRow, scene_text
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SceneSpec
@@ -185,14 +185,14 @@ class _Course:
         here, failed = 0, 0
         numbers = count()
         for _ in range(self._config.states):
-            action, promised = self._action(self._met[here])
+            step = self._step(self._met[here])
             tried = []
             for source in self._round():
                 number = next(numbers)
                 if number in spared:
                     continue
                 begin(number)
-                attempt = self._sources[source].attempt(self._met[here], action, promised, self._rng)
+                attempt = self._sources[source].attempt(self._met[here], step, self._rng)
                 tried.append(attempt)
                 yield here, self._drawn[here], source, self._met[here], attempt
                 self._drawn[here] += 1
@@ -214,14 +214,15 @@ class _Course:
             else:
                 yield str(self._rng.choice(names, p=np.divide(weights, sum(weights))))
 
-    def _action(self, c: Configuration) -> tuple[Action, State]:
-        """Draw an applicable action, with the state that it promises."""
+    def _step(self, c: Configuration) -> Skeleton:
+        """Draw an applicable action, as a plan of one step."""
         options = list(self._successors(c))
         supports = self._world.spec.supports
         apart = [[o for o in options if (o[0].args[1] in supports) == wanted] for wanted in (False, True)]
         if options[0][0].name == "place" and all(apart):
             options = apart[int(self._rng.random() < self._config.on_support)]
-        return options[self._rng.integers(len(options))]
+        action, promised = options[self._rng.integers(len(options))]
+        return Skeleton((self._abstraction(c), promised), (action,))
 
     def _choose_next(self, tried: list[Attempt[Configuration]]) -> Configuration | None:
         """Choose the end of a success, or sometimes of a failure, if planning could continue from there."""

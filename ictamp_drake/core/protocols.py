@@ -76,16 +76,17 @@ class Abstraction(Protocol[C_contra]):
 
 
 class SkillRunner(Protocol[C]):
-    """ψ, all skills behind one interface: the planner chooses the action, and the runner tries it once."""
+    """ψ, all skills behind one interface: the planner chooses the plan, and the runner tries its first action once."""
 
     @property
     def draws(self) -> int:
         """Maximum number of parameters k that an attempt draws until one has a motion."""
 
-    def attempt(
-        self, c: C, action: Action, promised: State, rng: np.random.Generator, k: Parameter | None = None
-    ) -> Attempt[C]:
-        """Run ψ_a once from c, with the given or a drawn k; the attempt succeeds when H(c') equals `promised`."""
+    def attempt(self, c: C, plan: Skeleton, rng: np.random.Generator, k: Parameter | None = None) -> Attempt[C]:
+        """Run ψ_a of the plan's first action once from c, with the given or a drawn k.
+
+        The attempt succeeds when H(c') equals the state that the action promises, `plan.states[1]`.
+        """
 
 
 class Estimator(Protocol[C_contra]):

@@ -8,7 +8,7 @@ import numpy as np
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.protocols import SkillRunner
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton, State
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
 from ictamp_drake.estimators.context import EstimatorContext
 
 
@@ -44,10 +44,11 @@ class MonteCarlo:
 
     def estimate(self, options: Sequence[tuple[Configuration, Skeleton]]) -> FloatArray:
         """Fraction of successes of the first action of each option, shape (len(options),)."""
-        return np.array([self._share(c, plan.actions[0], plan.states[1]) for c, plan in options])
+        return np.array([self._share(c, Skeleton(plan.states[:2], plan.actions[:1])) for c, plan in options])
 
-    def _share(self, c: Configuration, action: Action, promised: State) -> float:
+    def _share(self, c: Configuration, step: Skeleton) -> float:
+        (action,) = step.actions
         if (c, action) not in self._known:
-            runs = (self._skills.attempt(c, action, promised, self._rng) for _ in range(self._config.executions))
+            runs = (self._skills.attempt(c, step, self._rng) for _ in range(self._config.executions))
             self._known[c, action] = float(np.mean([attempt.succeeded for attempt in runs]))
         return self._known[c, action]

@@ -216,7 +216,7 @@ class Planner(Generic[C]):
         """Run Algorithm 2, lines 4-9, and return the node reached."""
         node, plan = self.tree.nodes[option.node], self.tree.plans[option.plan]
         self._tell(StepStarted(node, plan.actions[0]))
-        attempt = self.skills.attempt(node.c, plan.actions[0], plan.states[1], self.rng, option.k)
+        attempt = self.skills.attempt(node.c, plan, self.rng, option.k)
         step = self.tree.record_step(option.node, option.plan, attempt)
         child = None if step.child is None else self.tree.nodes[step.child]
         self._tell(StepDone(node, attempt, child))

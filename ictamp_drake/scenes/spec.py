@@ -39,7 +39,7 @@ MAX_VALUES = 20_000
 """Maximum number of values in a scene file, ten times as many as the largest scene has."""
 
 MAX_BOXES = 50
-"""Maximum number of boxes; to prepare a scene of so many takes 3 s, and time grows with the square of their number."""
+"""Maximum number of boxes; to prepare a scene of so many takes 2 s, and time grows with the square of their number."""
 
 MAX_SUPPORTS = 20
 """Maximum number of supports."""

@@ -252,28 +252,35 @@ class SkillsConfig:
 
     Attributes:
         draws: Maximum number of parameters k drawn in one attempt until one has a motion. 1 is as in the paper.
+        look_ahead: Number of drawn placements, and then of random ones, among which an attempt prefers those where the
+            hand will reach what the plan puts on top later. 0 does not look ahead.
         pick: Constants of ψ_pick.
         place: Constants of ψ_place.
         motion: Constants of motion planning.
     """
 
     draws: int = 8
+    look_ahead: int = 0
     pick: Annotated[SkillConfig, tyro.conf.arg(constructor=PickConfig)] = PickConfig()
     place: Annotated[SkillConfig, tyro.conf.arg(constructor=PlaceConfig)] = PlaceConfig()
     motion: MotionConfig = MotionConfig()
 
     def __post_init__(self) -> None:
         check_range("skills.draws", self.draws, 1, inf)
+        check_range("skills.look-ahead", self.look_ahead, 0, inf)
 
     def create(
         self, world: "World", abstraction: "SceneAbstraction", physics: "Physics", sampler: SamplerConfig
     ) -> "Skills":
         """The skills in one scene."""
         from ictamp_drake.motion.planner import MotionPlanner
+        from ictamp_drake.skills.lookahead import Lookahead
         from ictamp_drake.skills.runner import Skills
 
         planner = MotionPlanner(world, self.motion, physics.config.time_step)
         configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
         skills = {name: config.create(SkillContext(world, planner)) for name, config in configs.items()}
         drawing = sampler.create(SamplerContext(world, planner.kinematics))
-        return Skills(self.draws, abstraction, physics, drawing, skills)
+        place = self.place if isinstance(self.place, PlaceConfig) else PlaceConfig()
+        lookahead = Lookahead(world, planner.kinematics, self.look_ahead, place) if self.look_ahead else None
+        return Skills(self.draws, abstraction, physics, drawing, skills, lookahead)

@@ -8,9 +8,10 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler, Skill
 from ictamp_drake.core.stopwatch import Stopwatch
-from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, State
+from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter, Segment, Skeleton, State
 from ictamp_drake.motion.planner import Refusal
 from ictamp_drake.skills.judge import judge
+from ictamp_drake.skills.lookahead import Lookahead
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics
@@ -26,6 +27,7 @@ class Skills:
         physics: Simulation of the scene.
         sampler: Source of k.
         skills: Skills by the name of their action.
+        lookahead: Order of the parameters drawn, which looks at the rest of the plan; None for the sampler's own.
         promises: Whether an attempt ends where its skill promises, instead of where physics ends. `execute` runs
             physics later.
     """
@@ -35,37 +37,36 @@ class Skills:
     physics: Physics
     sampler: Sampler[Configuration]
     skills: Mapping[str, Skill[Refusal]]
+    lookahead: Lookahead | None = None
     promises: bool = False
 
     def attempt(
         self,
         c: Configuration,
-        action: Action,
-        promised: State,
+        plan: Skeleton,
         rng: np.random.Generator,
         k: Parameter | None = None,
     ) -> Attempt[Configuration]:
-        """Run ψ_a once from c; the attempt succeeds when H(c') equals `promised` (paper, Problem Formulation).
+        """Run ψ_a once from c; the attempt succeeds when H(c') is as promised (paper, Problem Formulation).
 
         Args:
             c: Configuration to start from.
-            action: Action a.
-            promised: State that a promises.
+            plan: Plan whose first action is a, followed by the state that a promises.
             rng: Random numbers of the sampler and of motion planning.
             k: The only parameter to try. If None, the sampler draws parameters.
         """
-        stopwatch = Stopwatch()
-        drawing = self.sampler.draws(c, action, rng) if k is None else iter((k,))
-        k, plan, refusals = self._plan(c, action, drawing, rng, stopwatch)
+        stopwatch, action, promised = Stopwatch(), plan.actions[0], plan.states[1]
+        drawing = iter((k,)) if k is not None else self._draw(c, plan, rng)
+        k, motion, refusals = self._plan(c, action, drawing, rng, stopwatch)
         rejections = tuple(refusal.failure for refusal in refusals)
-        if isinstance(plan, Refusal):
-            obstacles = tuple(refusal.obstacle for refusal in (*refusals, plan) if refusal.obstacle)
-            return Attempt(action, plan.failure, None, k, (), rejections, stopwatch.seconds, plan.detail, obstacles)
-        attempt = Attempt[Configuration](action, None, None, k, plan, rejections)
+        if isinstance(motion, Refusal):
+            obstacles = tuple(refusal.obstacle for refusal in (*refusals, motion) if refusal.obstacle)
+            return Attempt(action, motion.failure, None, k, (), rejections, stopwatch.seconds, motion.detail, obstacles)
+        attempt = Attempt[Configuration](action, None, None, k, motion, rejections)
         if not self.promises or k is None:
             return self._run_motion(c, attempt, promised, stopwatch)
         with stopwatch.stage("abstraction"):
-            outcome = Outcome(self.skills[action.name].promise(c, action, k, plan), True, None, plan, None)
+            outcome = Outcome(self.skills[action.name].promise(c, action, k, motion), True, None, motion, None)
         return self._judge_outcome(attempt, outcome, promised, stopwatch)
 
     def execute(self, c: Configuration, attempt: Attempt[Configuration], promised: State) -> Attempt[Configuration]:
@@ -98,6 +99,10 @@ class Skills:
             detail=detail,
             recording=outcome.recording,
         )
+
+    def _draw(self, c: Configuration, plan: Skeleton, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
+        drawing = self.sampler.draws(c, plan.actions[0], rng)
+        return drawing if self.lookahead is None else self.lookahead.sort(c, plan, drawing, rng)
 
     def _plan(
         self,

@@ -311,13 +311,13 @@ SCENE_METHOD = Method(
     planner="adaptive",
     sweep=True,
     planners=Planners(completion_tree=ProportionalConfig(W=3.0)),
-    skills=SkillsConfig(motion=MotionConfig(carrying=CarryingConfig(slide=0.0015))),
+    skills=SkillsConfig(look_ahead=64, motion=MotionConfig(carrying=CarryingConfig(slide=0.0015))),
 )
 """Default for planning in the user's own scenes; experiments keep the defaults of `Method`.
 
 Adaptive allocation solves as many small scenes as the paper's rule, with fewer skills (`benchmarks/shortest.py`).
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
 thousands. With W = 30 the paper's rule would open plans all the time; with 3 it opens about as many as with
-breadth-first search and 30 (`benchmarks/opening.py`). Boxes are carried slowly enough to stay where they are in the
-fingers (`benchmarks/grip.py`).
+breadth-first search and 30 (`benchmarks/opening.py`). Looking ahead keeps towers within reach (`benchmarks/reach.py`).
+Boxes are carried slowly enough to stay where they are in the fingers (`benchmarks/grip.py`).
 """

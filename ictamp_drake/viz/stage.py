@@ -118,7 +118,7 @@ class Stage:
     def __init__(self, spec: SceneSpec, meshcat: Meshcat | None = None) -> None:
         self._meshcat = meshcat
         builder = RobotDiagramBuilder(time_step=0.0)
-        self._bodies = add_scene(builder.plant(), spec, visible=True)
+        self._bodies = add_scene(builder.plant(), spec, "visible")
         builder.plant().Finalize()
         if meshcat is not None:
             parameters = MeshcatVisualizerParams(role=Role.kIllustration, prefix=PREFIX)

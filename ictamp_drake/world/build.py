@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Literal
 
 import numpy as np
 from pydrake.geometry import (
@@ -35,8 +36,16 @@ or return random directions, and resting boxes should count as separate."""
 
 FINEST_RIM = 0.0075
 """Smallest distance between two contact points along the rim of a support [m]."""
-_VISUAL = re.compile(r"<visual\b.*?</visual>", re.DOTALL)
-_COLLISION = re.compile(r"<collision\b.*?</collision>", re.DOTALL)
+Shapes = Literal["contact", "solid", "visible"]
+"""Shapes that bodies get: those that collide, those without the small contact spheres, or those that are drawn.
+
+The spheres serve contact physics, not kinematics.
+"""
+_OTHERS: Mapping[Shapes, re.Pattern[str]] = {
+    "contact": re.compile(r"<visual\b.*?</visual>", re.DOTALL),
+    "solid": re.compile(r'<visual\b.*?</visual>|<collision name="\w*contact\w*".*?</collision>', re.DOTALL),
+    "visible": re.compile(r"<collision\b.*?</collision>", re.DOTALL),
+}
 
 SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
@@ -60,53 +69,53 @@ class SceneBodies:
     supports: Mapping[str, RigidBody]
 
 
-def add_arm(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) -> ModelInstanceIndex:
+def add_arm(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact") -> ModelInstanceIndex:
     """Add the Panda with its hand to a plant that is not finalized, at its place in the scene."""
     parser = Parser(plant)
-    arm = add_panda(parser, visible=visible)
+    arm = add_panda(parser, shapes)
     base = plant.GetBodyByName("panda_link0", arm)
     plant.WeldFrames(plant.world_frame(), base.body_frame(), to_transform(spec.arm.X_WB))
     return arm
 
 
-def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) -> SceneBodies:
+def add_scene(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact") -> SceneBodies:
     """Add arm, supports and boxes to a plant that is not finalized. Default poses are those of the specification.
 
     Args:
         plant: Plant of the scene.
         spec: Specification of the scene.
-        visible: Whether the bodies get the shapes that are drawn instead of the shapes that collide.
+        shapes: Shapes that the bodies get.
     """
-    arm = add_arm(plant, spec, visible=visible)
+    arm = add_arm(plant, spec, shapes)
     parser = Parser(plant)
     supports = {}
     for name, support in sorted(spec.supports.items()):
-        supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size), visible)
+        supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size), shapes)
         plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
     boxes = {}
     for name, box in sorted(spec.boxes.items()):
-        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), visible)
+        boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), shapes)
         plant.SetDefaultFloatingBaseBodyPose(boxes[name], to_transform(box.X_WO))
     fingers = (plant.GetBodyByName("panda_leftfinger", arm), plant.GetBodyByName("panda_rightfinger", arm))
     return SceneBodies(arm, plant.GetBodyByName("panda_hand", arm), fingers, boxes, supports)
 
 
-def add_panda(parser: Parser, *, visible: bool = False) -> ModelInstanceIndex:
-    """Add the arm with its hand, not welded to anything, with either the visible or the collision shapes."""
+def add_panda(parser: Parser, shapes: Shapes = "contact") -> ModelInstanceIndex:
+    """Add the arm with its hand, not welded to anything."""
     add_package(parser)
-    (arm,) = parser.AddModelsFromString(_panda_sdf(visible), "sdf")
+    (arm,) = parser.AddModelsFromString(_panda_sdf(shapes), "sdf")
     return arm
 
 
 @cache
-def _panda_sdf(visible: bool) -> str:
+def _panda_sdf(shapes: Shapes) -> str:
     """Return the model as text: Drake parses a file 0.03 s slower than its text."""
     text = (PACKAGE_FILE.parent / "sdf" / "panda.sdf").read_text(encoding="utf-8")
-    return _keep_shapes(text, visible)
+    return _keep_shapes(text, shapes)
 
 
-def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, visible: bool) -> RigidBody:
-    (instance,) = parser.AddModelsFromString(_keep_shapes(sdf, visible), "sdf")
+def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, shapes: Shapes) -> RigidBody:
+    (instance,) = parser.AddModelsFromString(_keep_shapes(sdf, shapes), "sdf")
     return plant.get_body(plant.GetBodyIndices(instance)[0])
 
 
@@ -130,16 +139,9 @@ def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
             plant.RegisterCollisionGeometry(world, X_WS, Sphere(*shape.size), f"{name}_{shape.name}", surface)
 
 
-def _keep_shapes(sdf: str, visible: bool) -> str:
-    """Return the model without the shapes of the other kind, which take a third of the parsing time."""
-    return (_COLLISION if visible else _VISUAL).sub("", sdf)
-
-
-def remove_contact_points(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
-    """Remove the small contact spheres and keep the shapes: the spheres serve contact physics, not kinematics."""
-    source = plant.get_source_id()
-    for geometry in _contact_points(scene_graph):
-        scene_graph.RemoveRole(source, geometry, Role.kProximity)
+def _keep_shapes(sdf: str, shapes: Shapes) -> str:
+    """Return the model without the other shapes, which take most of the parsing time."""
+    return _OTHERS[shapes].sub("", sdf)
 
 
 def shrink_boxes(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
@@ -188,8 +190,7 @@ def _own_name(scoped_name: str) -> str:
 def build_kinematic(spec: SceneSpec) -> tuple[RobotDiagram, SceneBodies]:
     """Build a diagram of the scene for kinematics and collision queries: no contact points and no physics."""
     builder = RobotDiagramBuilder(time_step=0.0)
-    bodies = add_scene(builder.plant(), spec)
+    bodies = add_scene(builder.plant(), spec, "solid")
     builder.plant().Finalize()
-    remove_contact_points(builder.plant(), builder.scene_graph())
     shrink_boxes(builder.plant(), builder.scene_graph(), bodies)
     return builder.Build(), bodies

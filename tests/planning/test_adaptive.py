@@ -9,7 +9,7 @@ import pytest
 
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Atom, Attempt, Parameter, State
+from ictamp_drake.core.types import Atom, Attempt, Parameter, Skeleton, State
 from ictamp_drake.estimators.constant import Constant
 from ictamp_drake.planning.adaptive import AdaptiveConfig
 from ictamp_drake.planning.beliefs import BeliefsConfig
@@ -136,11 +136,11 @@ class ParkingLot:
     def attempt(
         self,
         c: Parked,
-        action: Action,
-        promised: State,
+        plan: Skeleton,
         rng: np.random.Generator,  # noqa: ARG002
         k: Parameter | None = None,  # noqa: ARG002
     ) -> Attempt[Parked]:
+        action, promised = plan.actions[0], plan.states[1]
         box = action.args[0]
         hindered = action.name == "pick" and {self.in_the_way.get(box, box)} - c.moved - {box}
         if hindered:

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, Configuration, Parameter, State
+from ictamp_drake.core.types import Action, Attempt, Configuration, Parameter, Skeleton, State
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.skills.config import OptimizationConfig, SkillsConfig
 from ictamp_drake.skills.context import SamplerConfig
@@ -46,11 +46,15 @@ class Rig:
         """State that the action promises in c."""
         return self.domain.successor(self.abstraction(c), action)
 
+    def step(self, c: Configuration, action: Action) -> Skeleton:
+        """The plan of one action."""
+        return Skeleton((self.abstraction(c), self.promised_state(c, action)), (action,))
+
     def attempt(
         self, c: Configuration, action: Action, seed: int = 0, k: Parameter | None = None
     ) -> Attempt[Configuration]:
         """One low-level step from c."""
-        return self.skills.attempt(c, action, self.promised_state(c, action), np.random.default_rng(seed), k)
+        return self.skills.attempt(c, self.step(c, action), np.random.default_rng(seed), k)
 
 
 def rig(spec: SceneSpec, sampler: SamplerConfig = OPTIMIZATION, draws: int = 8) -> Rig:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.errors import Code
-from ictamp_drake.core.types import Action, Configuration, FloatArray
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Skeleton
 from ictamp_drake.learning.models import load_skill
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.state_matrix import Observation, Observer
@@ -132,8 +132,8 @@ def test_candidates_are_drawn_when_those_before_are_refused(
     far, action = arrange(world, {"red_box": pose(2.0, 0.0, 0.059)}), pick("red_box", "table")
     skills = rig(world.spec, PolicyConfig(checkpoints, candidates, belief=0.0), draws).skills
     assert isinstance(skills.sampler, PolicySampler)
-    noted = Noted(skills.sampler)
-    attempt = dataclasses.replace(skills, sampler=noted).attempt(far, action, frozenset(), np.random.default_rng(0))
+    noted, step = Noted(skills.sampler), Skeleton((frozenset(), frozenset()), (action,))
+    attempt = dataclasses.replace(skills, sampler=noted).attempt(far, step, np.random.default_rng(0))
     assert attempt.failure in KINEMATIC
     assert len(attempt.rejections) == draws - 1
     assert noted.asked == asked

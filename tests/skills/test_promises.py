@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Configuration
+from ictamp_drake.core.types import Action, Configuration, Skeleton
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
 from tests.skills.rig import rig
@@ -29,8 +29,8 @@ def test_physics_ends_where_the_skill_promises(spec: SceneSpec, actions: list[Ac
     promising = replace(setup.skills, promises=True)
     rng, c = np.random.default_rng(0), setup.start
     for action in actions:
-        state = setup.promised_state(c, action)
-        attempt = promising.attempt(c, action, state, rng)
+        step = setup.step(c, action)
+        attempt, state = promising.attempt(c, step, rng), step.states[1]
         assert attempt.succeeded, attempt.detail
         assert "physics" not in attempt.seconds
         assert attempt.recording is None
@@ -58,11 +58,11 @@ def test_a_plan_made_of_promises_is_executed_from_what_physics_left() -> None:
     setup = rig(spec)
     promising = replace(setup.skills, promises=True)
     rng = np.random.default_rng(0)
-    lifted = setup.promised_state(setup.start, pick)
-    grasp = promising.attempt(setup.start, pick, lifted, rng)
+    step = setup.step(setup.start, pick)
+    grasp, lifted = promising.attempt(setup.start, step, rng), step.states[1]
     assert grasp.successor is not None
     placed = setup.domain.successor(lifted, place)
-    placement = promising.attempt(grasp.successor, place, placed, rng)
+    placement = promising.attempt(grasp.successor, Skeleton((lifted, placed), (place,)), rng)
     held = setup.skills.execute(setup.start, grasp, lifted).successor
     assert held is not None
     assert setup.skills.execute(held, placement, placed).succeeded
@@ -71,9 +71,9 @@ def test_a_plan_made_of_promises_is_executed_from_what_physics_left() -> None:
 def test_physics_can_say_no() -> None:
     spec, (pick, *_) = MUST_SUCCEED["table to rack and back"]
     setup = rig(spec)
-    state = setup.promised_state(setup.start, pick)
-    attempt = replace(setup.skills, promises=True).attempt(setup.start, pick, state, np.random.default_rng(0))
+    step = setup.step(setup.start, pick)
+    attempt = replace(setup.skills, promises=True).attempt(setup.start, step, np.random.default_rng(0))
     moved = setup.start.poses["yellow_box"] + [0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0]
     elsewhere = Configuration(setup.start.q, {**setup.start.poses, "yellow_box": moved})
-    executed = setup.skills.execute(elsewhere, attempt, state)
+    executed = setup.skills.execute(elsewhere, attempt, step.states[1])
     assert executed.failure is Failure.NOT_GRASPED

@@ -261,7 +261,7 @@ def _place_box(
 ) -> Failure | None:
     setup, c = carrying
     action = place("yellow_box", receptacle)
-    attempt = setup.skills.attempt(c, action, setup.promised_state(c, action), np.random.default_rng(0), np.array(k))
+    attempt = setup.attempt(c, action, k=np.array(k))
     assert attempt.failure is None or attempt.detail
     return attempt.failure
 

@@ -1,0 +1,91 @@
+"""Placements from which the hand will reach what the plan puts on top later."""
+
+from collections.abc import Iterator
+from itertools import chain, islice, pairwise, product
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.types import Configuration, FloatArray, Parameter, Skeleton
+from ictamp_drake.models.hand import TIP
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.config import PlaceConfig, UniformConfig
+from ictamp_drake.skills.geometry import R_DOWN, level_pose
+from ictamp_drake.skills.uniform import UniformSampler
+from ictamp_drake.symbolic.atoms import objects_beneath, supporters
+from ictamp_drake.world.world import World
+
+
+class Lookahead:
+    """Puts off placements that the rest of the plan cannot build on. It drops none.
+
+    The test is kinematics alone: the hand points down at any yaw, and each later box lies wholly on the top face below
+    and is gripped in its middle. A tower that leans towards the arm can be built although it fails the test.
+
+    Args:
+        world: The scene.
+        arm: Kinematics of its arm.
+        draws: Number of the sampler's placements asked in one attempt, and then of random ones.
+        place: Constants of a placement. They say how far the hand rises above a box.
+    """
+
+    def __init__(self, world: World, arm: ArmKinematics, draws: int, place: PlaceConfig) -> None:
+        self._world = world
+        self._arm = arm
+        self._draws = draws
+        self._place = place
+
+    def sort(
+        self, c: Configuration, plan: Skeleton, drawing: Iterator[Parameter | Failure], rng: np.random.Generator
+    ) -> Iterator[Parameter | Failure]:
+        """The parameters drawn for the plan's first action from c, with those put off after the others.
+
+        Only placements are put off. Before they have their turn, random ones are tried. A failure ends the drawing.
+        """
+        ahead = self._list_ahead(c, plan)
+        if not ahead:
+            yield from drawing
+            return
+        action, late = plan.actions[0], list[Parameter | Failure]()
+        random = UniformSampler(self._world, UniformConfig()).draws(c, action, rng)
+        for k in chain(islice(drawing, self._draws), islice(random, self._draws)):
+            if not isinstance(k, Failure) and self._is_within_reach(c, action.args[1], k, np.array(ahead)):
+                yield k
+                continue
+            late.append(k)
+            if isinstance(k, Failure):
+                break
+        yield from chain(late, drawing)
+
+    def _list_ahead(self, c: Configuration, plan: Skeleton) -> list[FloatArray]:
+        """Boxes that the plan later puts on top of the one that its first action places, if it places one.
+
+        Returns:
+            For each later box, how far its center can be from that of the first box along both axes of its top face,
+            and how high the hand has to rise above the bottom of the first box, shape (3,) [m].
+        """
+        box, sizes = plan.actions[0].args[0], {name: self._world.upright_frame(c, name).size for name in c.poses}
+        ahead = []
+        for before, after in pairwise(map(supporters, plan.states[1:])):
+            if before.get(box) != after.get(box) or box not in before:
+                break  # it is picked up again
+            for name in after.keys() - before.keys():
+                tower = [name, *objects_beneath(name, after)]
+                if box in tower:
+                    tower = tower[: tower.index(box) + 1]
+                    size, *below = (sizes[each] for each in tower)
+                    rise = max(self._place.drop, size[2] + TIP + self._place.margin)
+                    room = [np.maximum(low[:2] - up[:2], 0) / 2 for up, low in pairwise([size, *below])]
+                    ahead.append(np.append(sum(room), sum(each[2] for each in below) + rise))
+        return ahead
+
+    def _is_within_reach(self, c: Configuration, receptacle: str, k: Parameter, ahead: FloatArray) -> bool:
+        """Whether the hand reaches each of the boxes ahead, shape (n, 3), somewhere, from the placement k."""
+        X_WB = self._world.X_WT(c, receptacle) @ level_pose(k)
+        spots = np.array([*product((-1, 0, 1), repeat=2)] if ahead[:, :2].any() else [(0, 0)])
+        p_BG = np.dstack([ahead[:, None, :2] * spots, np.broadcast_to(ahead[:, 2:], (len(ahead), len(spots)))])
+        X_WG = np.tile(RigidTransform(R_DOWN, np.zeros(3)).GetAsMatrix4(), (*p_BG.shape[:2], 1, 1))
+        X_WG[..., :3, 3] = p_BG @ X_WB.rotation().matrix().T + X_WB.translation()
+        times = self._arm.travel_times(X_WG.reshape(-1, 4, 4), c.q[:7])
+        return bool(np.isfinite(times).reshape(p_BG.shape[:2]).any(axis=1).all())
