@@ -48,6 +48,9 @@ PAD_CENTER = GRASP_OFFSET - FINGER_OFFSET
 TIP = PAD_HALF_HEIGHT + 0.0025
 """Distance below G beyond which no part of a finger reaches, with 2.5 mm to spare."""
 
+LOWEST_GRASP = TIP + 0.002
+"""Height of G above the ground at which the tips are well above it [m]: flat boxes are gripped up to there."""
+
 FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
 """An open finger with its mount. Its inner face is half the opening away from G."""
 PALM = Outline(half_length=0.0195, half_width=0.101, bottom=0.037)

@@ -24,6 +24,8 @@ from ictamp_drake.world.world import World
 
 UPRIGHT_ANGLE = 1e-3
 """Maximum tilt of a placed box [rad]."""
+FLAT_RANGE = 0.002
+"""Range of heights of G for a box so flat that the ground leaves no other [m]."""
 
 
 class OptimizationSampler:
@@ -95,11 +97,11 @@ class OptimizationSampler:
         if not quarters:
             return None
         half_height = lying.size[2] / 2
-        heights = sorted(
-            [max(half_height - config.depth[1], config.ground - half_height), half_height - config.depth[0]]
-        )
-        lower = np.array([-config.grip_offset[0], -config.grip_offset[1], heights[0]])
-        upper = np.array([*config.grip_offset, heights[1]])
+        ground = config.ground - half_height
+        highest = max(half_height - config.depth[0], ground)
+        lowest = max(half_height - config.depth[1], min(ground, highest - FLAT_RANGE))
+        lower = np.array([-config.grip_offset[0], -config.grip_offset[1], lowest])
+        upper = np.array([*config.grip_offset, highest])
         quarter = rng.choice(quarters)
         R_UM = RotationMatrix.MakeZRotation(quarter * np.pi / 2)
         program = _HandProgram(self._arm, config, lying.X_WU @ RigidTransform(R_UM, np.zeros(3)))

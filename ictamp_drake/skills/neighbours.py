@@ -17,10 +17,12 @@ class Neighbour(NamedTuple):
     Attributes:
         X_WU: Frame in the center of the outline, z up.
         half: Half sides of the outline along U's x and y, shape (2,) [m].
+        top: Height of the top in W [m].
     """
 
     X_WU: RigidTransform
     half: FloatArray
+    top: float
 
     @property
     def radius(self) -> float:
@@ -38,12 +40,14 @@ def neighbours(world: World, c: Configuration, without: Collection[str], height:
     found = []
     for name in world.spec.boxes:
         lying = world.upright_frame(c, name)
-        if name not in without and lying.X_WT.translation()[2] > height + 1e-3:
-            found.append(Neighbour(lying.X_WU, lying.size[:2] / 2))
+        top = float(lying.X_WT.translation()[2])
+        if name not in without and top > height + 1e-3:
+            found.append(Neighbour(lying.X_WU, lying.size[:2] / 2, top))
     for name, support in world.spec.supports.items():
         X_WT = to_transform(support.X_WT)
-        if name not in without and X_WT.translation()[2] > height + 1e-3:
-            found.append(Neighbour(X_WT, np.array(support.size[:2]) / 2))
+        top = float(X_WT.translation()[2])
+        if name not in without and top > height + 1e-3:
+            found.append(Neighbour(X_WT, np.array(support.size[:2]) / 2, top))
     return found
 
 
