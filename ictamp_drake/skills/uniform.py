@@ -11,7 +11,7 @@ from ictamp_drake.world.world import World
 
 
 class UniformSampler:
-    """Pick: anywhere in the box, or above it where it is flat. Place: anywhere on the top face or a little above it. Both: any yaw of the range."""
+    """Pick: anywhere in the box, or a little above a flat one. Place: on the top face or a little above it. Any yaw."""
 
     def __init__(self, world: World, config: UniformConfig) -> None:
         self._world = world
