@@ -29,8 +29,12 @@ SPACING = 0.02
 """Distance of the disks that stand for the palm [m]."""
 ROOM = 0.004
 """Distance of a placed box from the things around [m]."""
+WRIST_RADIUS = 0.06
+"""Radius of the disk that stands for the wrist, which is not round and reaches less far on some sides [m]."""
 CANDIDATES = 64
 """Number of candidates drawn at once."""
+COMPARED = 16
+"""Number of candidates that fit among which the one nearest to the middle of a box comes first."""
 
 
 class _Disk(NamedTuple):
@@ -41,7 +45,7 @@ class _Disk(NamedTuple):
 
 
 class GeometricSampler:
-    """Pick: pads on opposite faces, anywhere along them. Place: wherever there is room. The middle is likeliest."""
+    """Pick: pads on opposite faces, anywhere along them. Place: wherever there is room. A box's middle comes first."""
 
     def __init__(self, world: World, arm: ArmKinematics) -> None:
         self._world = world
@@ -53,9 +57,11 @@ class GeometricSampler:
         draw = self._draw_grasps if action.name == "pick" else self._draw_placements
         while len(k := draw(c, action, around, rng)):
             times = self._arm.travel_times(self._hand_poses(c, action, k), c.q[:7])
-            if not np.any(within := np.isfinite(times)):
+            k = k[np.isfinite(times)][:COMPARED]
+            if not len(k):
                 return
-            yield from k[within]
+            on_support = action.name == "place" and action.args[1] in self._world.spec.supports
+            yield from k if on_support else k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")]
 
     def _hand_poses(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
         return hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
@@ -68,7 +74,7 @@ class GeometricSampler:
         center, half = lying.X_WU.translation()[2], lying.size / 2
         quarters = rng.choice([m for m in range(4) if lying.size[1 - m % 2] <= MAX_SIDE], CANDIDATES)
         k = np.zeros((CANDIDATES, 4))
-        k[range(CANDIDATES), quarters % 2] = rng.uniform(-1, 1, CANDIDATES) ** 3 * half[quarters % 2]
+        k[range(CANDIDATES), quarters % 2] = rng.uniform(-1, 1, CANDIDATES) * half[quarters % 2]
         k[:, 3] = quarters * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
         X_WG = self._hand_poses(c, action, k)
         lowest = np.full(CANDIDATES, center + half[2] - PALM.bottom)
@@ -92,7 +98,7 @@ class GeometricSampler:
         k = np.zeros((CANDIDATES, 4))
         k[:, 2] = rng.uniform(*DROP, CANDIDATES)
         if place in self._world.spec.boxes:
-            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) ** 3 * top / 2
+            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * top / 2
             k[:, 3] = rng.integers(4, size=CANDIDATES) * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
         else:
             k[:, 3] = rng.uniform(-np.pi, np.pi, CANDIDATES)
@@ -114,7 +120,7 @@ def _hand_disks(width: float) -> list[_Disk]:
     return [
         *(_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)),
         *(_Disk(np.array([0.0, y, -PALM.bottom]), PALM.half_length) for y in palm),
-        _Disk(np.array([0.0, 0.0, -WRIST.bottom]), WRIST.half_length),
+        _Disk(np.array([0.0, 0.0, -WRIST.bottom]), WRIST_RADIUS),
     ]
 
 
