@@ -23,13 +23,13 @@ class SceneAbstraction:
 
     def __init__(self, world: World, config: PredicateConfig | None = None) -> None:
         self._world = world
-        self._config = config or PredicateConfig()
+        self.config = config or PredicateConfig()
         self._boxes = sorted(world.spec.boxes)
         self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
 
     def __call__(self, c: Configuration) -> State:
         """Return all atoms that hold in c."""
-        scene = Scene(self._world, c, self._config)
+        scene = Scene(self._world, c, self.config)
         atoms = [atom for a in self._boxes for atom in (*self._describe_box(scene, a), *self._describe_rest(scene, a))]
         held = any(atom.predicate == IN_HAND for atom in atoms)
         return frozenset(atoms if held else [*atoms, Atom(HAND_EMPTY, ())])
