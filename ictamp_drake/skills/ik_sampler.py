@@ -6,6 +6,7 @@ solutions are samples of k.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -18,7 +19,7 @@ from ictamp_drake.models.hand import MAX_OPENING, PAD_RADIUS, TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import OptimizationConfig
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
-from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
+from ictamp_drake.skills.neighbours import Neighbour, free_spot, is_covered, neighbours
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
@@ -43,11 +44,21 @@ class OptimizationSampler:
         GOAL_IN_COLLISION when a program without the neighbors has one, else NO_INVERSE_KINEMATICS.
         """
         around = self._neighbours(c, action)
-        for config in (self._config, self._config.tight) if action.name == "pick" else (self._config,):
+        for config in self._configs(c, action):
             while (k := self._draw(c, action, rng, around, config)) is not None:
                 yield k
         alone = self._draw(c, action, rng, [], self._config)
         yield Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
+
+    def _configs(self, c: Configuration, action: Action) -> tuple[OptimizationConfig, ...]:
+        """Configurations in the order in which they are tried: a covered box is gripped anywhere along its sides."""
+        config, box = self._config, action.args[0]
+        if action.name == "place":
+            return (config,)
+        if is_covered(self._world, c, box):
+            along = float(self._world.upright_frame(c, box).size[:2].max()) / 2
+            return (replace(config, grip_offset=(along, config.grip_offset[1])),)
+        return config, config.tight
 
     def _neighbours(self, c: Configuration, action: Action) -> list[Neighbour]:
         """Things that reach as high as the fingers of a grasp, or as the place where the held box is put."""
@@ -129,9 +140,8 @@ class OptimizationSampler:
         config, X_WT = self._config, self._world.X_WT(c, receptacle)
         radius = float(np.linalg.norm(self._world.upright_frame(c, box).size[:2])) / 2
         on_box = receptacle in self._world.spec.boxes
-        bound = np.full(2, config.overhang) if on_box else self._world.top_size(c, receptacle) / 2 - radius
-        if np.any(bound < 0):
-            return None
+        room = np.maximum(self._world.top_size(c, receptacle) / 2 - radius, 0.0)
+        bound = np.full(2, config.overhang) if on_box else room
         spot = rng.uniform(-bound, bound) if on_box else self._free_spot(X_WT, bound, around, radius, rng)
         if spot is None:
             return None

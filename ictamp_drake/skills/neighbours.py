@@ -51,6 +51,15 @@ def neighbours(world: World, c: Configuration, without: Collection[str], height:
     return found
 
 
+def is_covered(world: World, c: Configuration, box: str) -> bool:
+    """Whether some of the box is below a support."""
+    lying = world.upright_frame(c, box)
+    halves = np.linspace(-0.5, 0.5, 5)
+    spots = np.array([(x, y, 0.0) for x in halves for y in halves]) * lying.size
+    above = neighbours(world, c, world.spec.boxes, float(lying.X_WT.translation()[2]))
+    return any(bool(np.any(each.distance((lying.X_WU @ spots.T).T) == 0)) for each in above)
+
+
 def free_spot(
     spots: FloatArray, X_WT: RigidTransform, around: Collection[Neighbour], needed: float, room: float
 ) -> FloatArray | None:

@@ -16,7 +16,7 @@ from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.skills.config import PolicyConfig, UniformConfig
 from ictamp_drake.skills.geometric import GeometricSampler
 from ictamp_drake.skills.geometry import hand_poses
-from ictamp_drake.skills.neighbours import neighbours
+from ictamp_drake.skills.neighbours import is_covered
 from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.world.world import World
 
@@ -27,7 +27,6 @@ LEARNED_SIDES = (0.03, 0.14)
 """Sides of boxes for which the policy works [m]: those of the level `varied`, little more than in training."""
 LEARNED_TOP = 0.14
 """Shortest side of the top of a support in training [m]."""
-_HALVES = np.linspace(-1.0, 1.0, 5)
 _OUT_OF_REACH = 60.0
 """Travel time assumed for a hand pose that the arm cannot reach [s]."""
 
@@ -67,11 +66,7 @@ class PolicySampler:
             return False
         if action.name == "place":
             return place in spec.boxes or min(spec.supports[place].size[:2]) >= LEARNED_TOP
-        lying = self._world.upright_frame(c, box)
-        above = neighbours(self._world, c, {*spec.boxes}, lying.X_WT.translation()[2])
-        grid = np.array([(x, y, 0.0) for x in _HALVES for y in _HALVES]) * lying.size / 2
-        p_W = (lying.X_WU @ grid.T).T
-        return all(np.all(each.distance(p_W) > 0) for each in above)
+        return not is_covered(self._world, c, box)
 
     def _best(
         self, c: Configuration, action: Action, observation: Observation, k: FloatArray, least: float = 0.0

@@ -1,4 +1,4 @@
-"""Why nothing carries a box, in one sentence with the measure."""
+"""Reasons why nothing carries a box, each in one sentence with the measure."""
 
 from itertools import product
 from typing import NamedTuple
