@@ -22,6 +22,21 @@ class Outline(NamedTuple):
     bottom: float
 
 
+class Row(NamedTuple):
+    """Part of the hand above the fingers as a row of upright cylinders along G's y axis, open at their tops.
+
+    Attributes:
+        first, last: Places of the first and of the last axis along y.
+        radius: Radius of the cylinders.
+        bottom: Height of their lower faces above G, when the hand points down.
+    """
+
+    first: float
+    last: float
+    radius: float
+    bottom: float
+
+
 HAND_ANGLE = -math.pi / 4
 """Rotation of the hand relative to the flange about z [rad]."""
 GRASP_OFFSET = 0.1034
@@ -55,3 +70,11 @@ FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
 """An open finger with its mount. Its inner face is half the opening away from G."""
 PALM = Outline(half_length=0.0195, half_width=0.101, bottom=0.037)
 WRIST = Outline(half_length=0.075, half_width=0.075, bottom=0.105)
+
+ROWS = (
+    Row(-PALM.half_width + PALM.half_length, PALM.half_width - PALM.half_length, PALM.half_length, PALM.bottom),
+    Row(0.075, 0.085, radius=0.0245, bottom=0.0445),
+    Row(0.05, 0.08, radius=0.029, bottom=0.0955),
+    Row(0.0, 0.0, radius=0.054, bottom=0.1035),
+)
+"""Palm, front edge and front of the hand, and the wrist above it: closer to the model than the outlines."""

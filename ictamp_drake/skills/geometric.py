@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, TIP, WRIST
+from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, ROWS
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import CLEARANCES
 from ictamp_drake.skills.geometry import hand_poses, held_bottom, needed_opening
@@ -19,21 +19,21 @@ from ictamp_drake.world.world import World
 
 LEAST_COVER = 0.003
 """Minimum height of the box that the pads cover [m]."""
-PLAY = 0.002
+SPARE = 0.0025
+"""Distance that a grasp keeps from what is below the hand [m]."""
+PLAY = 0.001
 """Range of heights of grasps whose pads cannot be covered wholly [m]."""
 DROP = (0.001, 0.002)
 """Range of heights of a placement above the top face [m]."""
 TURN = 0.02
 """Standard deviation of yaw from the directions of the faces [rad]."""
 SPACING = 0.02
-"""Distance of the disks that stand for the palm [m]."""
+"""Distance of the disks in a row [m]."""
 ROOM = 0.004
 """Distance of a placed box from the things around [m]."""
-WRIST_RADIUS = 0.06
-"""Radius of the disk that stands for the wrist, which is not round and reaches less far on some sides [m]."""
 CANDIDATES = 64
 """Number of candidates drawn at once."""
-COMPARED = 16
+COMPARED = 8
 """Number of candidates that fit among which the one nearest to the middle of a box comes first."""
 
 
@@ -82,7 +82,7 @@ class GeometricSampler:
             chosen = quarters % 2 == side
             disks = _hand_disks(2 * half[1 - side])
             lowest[chosen] = np.maximum(lowest[chosen], _lowest(X_WG[chosen], disks, around))
-        lowest += TIP - PAD_HALF_HEIGHT
+        lowest += SPARE
         top = center + half[2]
         highest = np.maximum(top - PAD_HALF_HEIGHT, lowest + PLAY)
         k[:, 2] = rng.uniform(lowest, highest) - center
@@ -115,13 +115,9 @@ class GeometricSampler:
 def _hand_disks(width: float) -> list[_Disk]:
     """Disks of the hand whose fingers just miss something of that width [m]."""
     side = min(width / 2 + CLEARANCES[-1], MAX_OPENING / 2) + FINGER.half_width
-    reach = PALM.half_width - PALM.half_length
-    palm = np.linspace(-reach, reach, int(np.ceil(2 * reach / SPACING)) + 1)
-    return [
-        *(_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)),
-        *(_Disk(np.array([0.0, y, -PALM.bottom]), PALM.half_length) for y in palm),
-        _Disk(np.array([0.0, 0.0, -WRIST.bottom]), WRIST_RADIUS),
-    ]
+    fingers = [_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)]
+    rows = [(np.linspace(row.first, row.last, int(np.ceil((row.last - row.first) / SPACING)) + 1), row) for row in ROWS]
+    return fingers + [_Disk(np.array([0.0, y, -row.bottom]), row.radius) for ys, row in rows for y in ys]
 
 
 def _box_disks(X_GB: FloatArray, half: FloatArray) -> list[_Disk]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray
-from ictamp_drake.models.hand import MAX_SIDE, PAD_HALF_HEIGHT, PALM, TIP
+from ictamp_drake.models.hand import MAX_SIDE, PAD_HALF_HEIGHT, PALM
 from ictamp_drake.scenes.levels import LEVELS, problem_files
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.skills.context import SamplerContext
@@ -46,7 +46,7 @@ def test_flat_boxes_are_gripped_above_the_ground_and_with_cover(case: str, actio
     lying = here.world.upright_frame(here.start, action.args[0])
     k = draw(here, here.start, action)
     assert len(k) == 40
-    assert np.all(k[:, 2] + lying.size[2] / 2 >= TIP - 1e-3)  # the box stands on the ground
+    assert np.all(k[:, 2] + lying.size[2] / 2 >= PAD_HALF_HEIGHT)  # the box stands on the ground
     assert np.all(lying.size[2] / 2 - (k[:, 2] - PAD_HALF_HEIGHT) >= LEAST_COVER)
     for x, y, _, yaw in k:
         quarter = round(yaw / (np.pi / 2))
