@@ -22,6 +22,21 @@ class Outline(NamedTuple):
     bottom: float
 
 
+class Row(NamedTuple):
+    """Part of the hand above the fingers as a row of upright cylinders along G's y axis, open at their tops.
+
+    Attributes:
+        first, last: Places of the first and of the last axis along y.
+        radius: Radius of the cylinders.
+        bottom: Height of their lower faces above G, when the hand points down.
+    """
+
+    first: float
+    last: float
+    radius: float
+    bottom: float
+
+
 HAND_ANGLE = -math.pi / 4
 """Rotation of the hand relative to the flange about z [rad]."""
 GRASP_OFFSET = 0.1034
@@ -48,6 +63,9 @@ PAD_CENTER = GRASP_OFFSET - FINGER_OFFSET
 TIP = PAD_HALF_HEIGHT + 0.0025
 """Distance below G beyond which no part of a finger reaches, with 2.5 mm to spare."""
 
+LOWEST_GRASP = TIP + 0.002
+"""Height of G above the ground at which the tips are well above it [m]: flat boxes are gripped up to there."""
+
 FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
 """An open finger with its mount. Its inner face is half the opening away from G."""
 PALM = Outline(half_length=0.0195, half_width=0.101, bottom=0.037)
@@ -57,3 +75,10 @@ CORE = ((0.019, 0.037, 0.104), (0.053, 0.104, 0.160))
 """Radius and heights above G of two cylinders inside palm and flange, when the hand points down, at any yaw."""
 FINGERS = (0.045, -0.009, 0.037)
 """Radius of a disk about G that the fingers meet at any yaw and opening, and their heights above G."""
+ROWS = (
+    Row(-PALM.half_width + PALM.half_length, PALM.half_width - PALM.half_length, PALM.half_length, PALM.bottom),
+    Row(0.075, 0.085, radius=0.0245, bottom=0.0445),
+    Row(0.05, 0.08, radius=0.029, bottom=0.0955),
+    Row(0.0, 0.0, radius=0.054, bottom=0.1035),
+)
+"""Palm, front edge and front of the hand, and the wrist above it: closer to the model than the outlines."""

@@ -36,7 +36,7 @@ class Situations(NamedTuple):
     Attributes:
         X_BU: Poses of the objects' upright frames in the arm's base frame, shape (n, m, 4, 4).
         sizes: Sides along U's axes, shape (n, m, 3) [m].
-        tipped: Whether a box does not stand on the face it was specified with, shape (n, m).
+        tipped: Whether a box is higher or lower than it was specified, shape (n, m).
         X_BG: Pose of the hand in the arm's base frame, shape (n, 4, 4).
         held: Number of the held box, shape (n,).
     """

@@ -60,7 +60,7 @@ class Schema:
     Columns: `base_*`, pose of U in the arm's base frame B. `target_*`, pose of U in K. `box_*`, sides along U's axes,
     zero for supports. `support_*`, sides of a support (its U is parallel to T, in its middle), zero for boxes. `is_*`
     are 0 or 1: the action's box to grasp; the held box; what the box stands on or is put on; any other object; a
-    support; a box that does not stand on the face it was specified with. `hand_*`, pose of U in G, for the held box
+    support; a box that is higher or lower than it was specified. `hand_*`, pose of U in G, for the held box
     only.
     """
 

@@ -128,8 +128,17 @@ class BoxSpec:
         check_vector("color", self.color, 0, 1)
         self._check_width()
 
+    @property
+    def is_tipped(self) -> bool:
+        """Whether its rotation makes it higher or lower."""
+        return self.size[self._upright_axis] != self.size[2]
+
+    @property
+    def _upright_axis(self) -> int:
+        return int(np.argmax(np.abs(_rotation(self.rotation).as_matrix()[2])))
+
     def _check_width(self) -> None:
-        upright = int(np.argmax(np.abs(_rotation(self.rotation).as_matrix()[2])))
+        upright = self._upright_axis
         width = min(side for axis, side in enumerate(self.size) if axis != upright)
         if width > MAX_SIDE:
             problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"

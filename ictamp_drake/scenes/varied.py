@@ -52,7 +52,7 @@ def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
             for name, support in supports.items()
         },
         boxes={name: _moved_box(_material(box, rng), arm) for name, box in boxes.items()},
-        goal=goal_of(*towers, tipped=[name for name, box in boxes.items() if any(box.rotation[:2])]),
+        goal=goal_of(*towers, tipped=[name for name, box in boxes.items() if box.is_tipped]),
         seed=number,
         description=f"Varied: {len(boxes)} boxes on {', '.join(supports)}; "
         f"build {' and '.join(map(_describe_tower, towers))}.",

@@ -6,6 +6,7 @@ solutions are samples of k.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
@@ -18,12 +19,14 @@ from ictamp_drake.models.hand import MAX_OPENING, PAD_RADIUS, TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import OptimizationConfig
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
-from ictamp_drake.skills.neighbours import Neighbour, free_spot, neighbours
+from ictamp_drake.skills.neighbours import Neighbour, free_spot, is_covered, neighbours
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 UPRIGHT_ANGLE = 1e-3
 """Maximum tilt of a placed box [rad]."""
+FLAT_RANGE = 0.002
+"""Range of heights of G for a box so flat that the ground leaves no other [m]."""
 
 
 class OptimizationSampler:
@@ -41,11 +44,21 @@ class OptimizationSampler:
         GOAL_IN_COLLISION when a program without the neighbors has one, else NO_INVERSE_KINEMATICS.
         """
         around = self._neighbours(c, action)
-        for config in (self._config, self._config.tight) if action.name == "pick" else (self._config,):
+        for config in self._configs(c, action):
             while (k := self._draw(c, action, rng, around, config)) is not None:
                 yield k
         alone = self._draw(c, action, rng, [], self._config)
         yield Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
+
+    def _configs(self, c: Configuration, action: Action) -> tuple[OptimizationConfig, ...]:
+        """Configurations in the order in which they are tried: a covered box is gripped anywhere along its sides."""
+        config, box = self._config, action.args[0]
+        if action.name == "place":
+            return (config,)
+        if is_covered(self._world, c, box):
+            along = float(self._world.upright_frame(c, box).size[:2].max()) / 2
+            return (replace(config, grip_offset=(along, config.grip_offset[1])),)
+        return config, config.tight
 
     def _neighbours(self, c: Configuration, action: Action) -> list[Neighbour]:
         """Things that reach as high as the fingers of a grasp, or as the place where the held box is put."""
@@ -95,11 +108,11 @@ class OptimizationSampler:
         if not quarters:
             return None
         half_height = lying.size[2] / 2
-        heights = sorted(
-            [max(half_height - config.depth[1], config.ground - half_height), half_height - config.depth[0]]
-        )
-        lower = np.array([-config.grip_offset[0], -config.grip_offset[1], heights[0]])
-        upper = np.array([*config.grip_offset, heights[1]])
+        ground = config.ground - half_height
+        highest = max(half_height - config.depth[0], ground)
+        lowest = max(half_height - config.depth[1], min(ground, highest - FLAT_RANGE))
+        lower = np.array([-config.grip_offset[0], -config.grip_offset[1], lowest])
+        upper = np.array([*config.grip_offset, highest])
         quarter = rng.choice(quarters)
         R_UM = RotationMatrix.MakeZRotation(quarter * np.pi / 2)
         program = _HandProgram(self._arm, config, lying.X_WU @ RigidTransform(R_UM, np.zeros(3)))
@@ -127,9 +140,8 @@ class OptimizationSampler:
         config, X_WT = self._config, self._world.X_WT(c, receptacle)
         radius = float(np.linalg.norm(self._world.upright_frame(c, box).size[:2])) / 2
         on_box = receptacle in self._world.spec.boxes
-        bound = np.full(2, config.overhang) if on_box else self._world.top_size(c, receptacle) / 2 - radius
-        if np.any(bound < 0):
-            return None
+        room = np.maximum(self._world.top_size(c, receptacle) / 2 - radius, 0.0)
+        bound = np.full(2, config.overhang) if on_box else room
         spot = rng.uniform(-bound, bound) if on_box else self._free_spot(X_WT, bound, around, radius, rng)
         if spot is None:
             return None

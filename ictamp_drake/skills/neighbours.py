@@ -17,10 +17,12 @@ class Neighbour(NamedTuple):
     Attributes:
         X_WU: Frame in the center of the outline, z up.
         half: Half sides of the outline along U's x and y, shape (2,) [m].
+        top: Height of the top in W [m].
     """
 
     X_WU: RigidTransform
     half: FloatArray
+    top: float
 
     @property
     def radius(self) -> float:
@@ -38,13 +40,24 @@ def neighbours(world: World, c: Configuration, without: Collection[str], height:
     found = []
     for name in world.spec.boxes:
         lying = world.upright_frame(c, name)
-        if name not in without and lying.X_WT.translation()[2] > height + 1e-3:
-            found.append(Neighbour(lying.X_WU, lying.size[:2] / 2))
+        top = float(lying.X_WT.translation()[2])
+        if name not in without and top > height + 1e-3:
+            found.append(Neighbour(lying.X_WU, lying.size[:2] / 2, top))
     for name, support in world.spec.supports.items():
         X_WT = to_transform(support.X_WT)
-        if name not in without and X_WT.translation()[2] > height + 1e-3:
-            found.append(Neighbour(X_WT, np.array(support.size[:2]) / 2))
+        top = float(X_WT.translation()[2])
+        if name not in without and top > height + 1e-3:
+            found.append(Neighbour(X_WT, np.array(support.size[:2]) / 2, top))
     return found
+
+
+def is_covered(world: World, c: Configuration, box: str) -> bool:
+    """Whether some of the box is below a support."""
+    lying = world.upright_frame(c, box)
+    halves = np.linspace(-0.5, 0.5, 5)
+    spots = np.array([(x, y, 0.0) for x in halves for y in halves]) * lying.size
+    above = neighbours(world, c, world.spec.boxes, float(lying.X_WT.translation()[2]))
+    return any(bool(np.any(each.distance((lying.X_WU @ spots.T).T) == 0)) for each in above)
 
 
 def free_spot(

@@ -1,6 +1,7 @@
 """k from the learned policy: several candidates at once, ranked by the critics and by the arm's travel time.
 
-The learned policy may not fit a scene, so random candidates take turns with those of the policy.
+The learned policy may not fit a scene, so random candidates take turns with those of the policy. Where the action is
+beyond what the policy has learned from, candidates from geometry come first.
 """
 
 from collections.abc import Iterator, Mapping
@@ -13,13 +14,19 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.state_matrix import Observation, Observer
 from ictamp_drake.skills.config import PolicyConfig, UniformConfig
+from ictamp_drake.skills.geometric import GeometricSampler
 from ictamp_drake.skills.geometry import hand_poses
+from ictamp_drake.skills.neighbours import is_covered
 from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.world.world import World
 
 if TYPE_CHECKING:
     from ictamp_drake.learning.models import SkillModel
 
+LEARNED_SIDES = (0.03, 0.14)
+"""Sides of boxes for which the policy works [m]: those of the level `varied`, little more than in training."""
+LEARNED_TOP = 0.14
+"""Shortest side of the top of a support in training [m]."""
 _OUT_OF_REACH = 60.0
 """Travel time assumed for a hand pose that the arm cannot reach [s]."""
 
@@ -34,6 +41,7 @@ class PolicySampler:
         self._arm = arm
         self._observer = Observer(world.spec)
         self._uniform = UniformSampler(world, UniformConfig())
+        self._geometric = GeometricSampler(world, arm)
         self._models = models
         self._config = config
 
@@ -41,11 +49,24 @@ class PolicySampler:
         """Any number of k: the best of the policy's candidates, then the best random ones, in turns."""
         observation = self._observer.observe_all([(c, action)])
         uniform = self._uniform.draws(c, action, rng)
+        geometric = iter(()) if self._applies(c, action) else self._geometric.draws(c, action, rng)
         while True:
+            yield from islice(geometric, self._config.trust)
             (learned,) = self._models[action.name].draw(observation, self._config.candidates, rng)
             yield from learned if len(learned) == 1 else self._best(c, action, observation, learned)
             random = np.array(list(islice(uniform, self._config.candidates)))
             yield from self._best(c, action, observation, random, self._config.belief)
+
+    def _applies(self, c: Configuration, action: Action) -> bool:
+        """Whether the policy has learned from boxes and supports of such sizes, with no support above the box."""
+        spec, (box, place) = self._world.spec, action.args
+        least, most = LEARNED_SIDES
+        sides = [side for name in action.args if name in spec.boxes for side in spec.boxes[name].size]
+        if min(sides) < least or max(sides) > most:
+            return False
+        if action.name == "place":
+            return place in spec.boxes or min(spec.supports[place].size[:2]) >= LEARNED_TOP
+        return not is_covered(self._world, c, box)
 
     def _best(
         self, c: Configuration, action: Action, observation: Observation, k: FloatArray, least: float = 0.0

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
+from ictamp_drake.models.hand import LOWEST_GRASP
 from ictamp_drake.skills.config import UniformConfig
 from ictamp_drake.world.world import World
 
 
 class UniformSampler:
-    """Pick: anywhere in the box. Place: anywhere on the top face or a little above it. Both: any yaw of the range."""
+    """Pick: anywhere in the box, or a little above a flat one. Place: on the top face or a little above it. Any yaw."""
 
     def __init__(self, world: World, config: UniformConfig) -> None:
         self._world = world
@@ -20,7 +21,7 @@ class UniformSampler:
         """Any number of k, most of which do not fit."""
         if action.name == "pick":
             half = self._world.upright_frame(c, action.args[0]).size / 2
-            low, high = -half, half
+            low, high = -half, np.append(half[:2], max(half[2], LOWEST_GRASP - half[2]))
         else:
             half = np.append(self._world.top_size(c, action.args[1]) / 2, 0.0)
             low, high = -half, half + [0.0, 0.0, self._config.max_height]

@@ -13,23 +13,23 @@ class SceneAbstraction:
     """H of one scene.
 
     - on(a, b): b carries a, and a is upright.
-    - lying(a, b): b carries a, and a is tipped over, onto a side or its head.
+    - lying(a, b): b carries a, and a is tipped over, onto a side that makes it higher or lower.
     - in-hand(a): both fingers touch a, neither cuts into it, and nothing carries a.
     - clear(a): nothing touches a from above, and a is not in the hand.
     - hand-empty: nothing is in the hand.
-    - upright(a): the bottom face of a is the face nearest to the ground.
-    - tipped(a): another face of a is.
+    - upright(a): a is as high as it was specified, so that it looks as if it stood on its bottom face.
+    - tipped(a): a is higher or lower than that.
     """
 
     def __init__(self, world: World, config: PredicateConfig | None = None) -> None:
         self._world = world
-        self._config = config or PredicateConfig()
+        self.config = config or PredicateConfig()
         self._boxes = sorted(world.spec.boxes)
         self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
 
     def __call__(self, c: Configuration) -> State:
         """Return all atoms that hold in c."""
-        scene = Scene(self._world, c, self._config)
+        scene = Scene(self._world, c, self.config)
         atoms = [atom for a in self._boxes for atom in (*self._describe_box(scene, a), *self._describe_rest(scene, a))]
         held = any(atom.predicate == IN_HAND for atom in atoms)
         return frozenset(atoms if held else [*atoms, Atom(HAND_EMPTY, ())])

@@ -18,7 +18,7 @@ class Upright:
     Attributes:
         X_WU: Pose of U in W. U's origin is the box's center, and its z is the box axis nearest to W's z, pointing up.
         size: Side lengths along U's axes, shape (3,) [m].
-        is_upright: Whether the box stands on the face that its specification puts at the bottom.
+        is_upright: Whether the box is as high as it was specified.
     """
 
     X_WU: RigidTransform
@@ -34,7 +34,7 @@ class Upright:
 def upright_frame(pose: FloatArray, size: tuple[float, float, float] | FloatArray) -> Upright:
     """Return the box as it lies, from X_WO, shape (7,), and its side lengths along O's axes [m].
 
-    U = O for a box that stands upright. Otherwise U's x is the axis of O that follows U's z cyclically. This is
+    U = O for a box whose z axis points up. Otherwise U's x is the axis of O that follows U's z cyclically. This is
     `matrices.upright_frames` for one box, in Drake's types.
     """
     return _upright_frame(pose.tobytes(), tuple(size))

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from ictamp_drake.core.types import FloatArray
 
+SAME_LENGTH = 1e-6
+"""Maximum difference of lengths that count as equal [m]."""
+
 
 def to_matrices(poses: FloatArray) -> FloatArray:
     """Convert pose arrays, shape (..., 7), to homogeneous matrices, shape (..., 4, 4)."""
@@ -53,7 +56,8 @@ def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, Flo
     """Compute X_WU, side lengths along U's axes, and whether each box is upright.
 
     U's origin is the box's center, its z is the axis of O nearest to W's z, pointing up, and its x is the axis of O
-    that follows.
+    that follows. A box is upright when it is as high as it was specified, since nobody can see which of its faces are
+    at the bottom and on the sides: a box on its head is upright, and so is a cube on any face.
 
     Args:
         X_WO: Poses of the m boxes in n states, shape (n, m, 4, 4), or in one, shape (m, 4, 4).
@@ -65,11 +69,8 @@ def upright_frames(X_WO: FloatArray, sizes: FloatArray) -> tuple[FloatArray, Flo
     X_WU = X_WO.copy()
     X_WU[..., :3, :3] = np.take_along_axis(X_WO[..., :3, :3], order[..., None, :], axis=-1)
     X_WU[..., :3, 1:3] *= sign[..., None]
-    return (
-        X_WU,
-        np.take_along_axis(np.broadcast_to(sizes, order.shape), order, axis=-1),
-        (axis == 2) & (sign[..., 0] > 0),
-    )
+    sides = np.take_along_axis(np.broadcast_to(sizes, order.shape), order, axis=-1)
+    return X_WU, sides, np.abs(sides[..., 2] - sizes[..., 2]) < SAME_LENGTH
 
 
 def flat(X: FloatArray) -> FloatArray:

@@ -1,11 +1,17 @@
 """The initial configuration c_0 of a scene, or an error that explains why the scene cannot start."""
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.models.grip import check_weight
 from ictamp_drake.world.abstraction import SceneAbstraction
+from ictamp_drake.world.config import PredicateConfig
+from ictamp_drake.world.resting import explain_loose, show_length
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import Touch, World
 
@@ -27,7 +33,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
     c, held = world.initial_configuration(), world.spec.start.held
     check_overlaps(world, c, "boxes")
     state = abstraction(c)
-    _check_carried(world, state)
+    _check_carried(world, c, state, abstraction.config)
     if held:
         check_weight(world.spec.boxes[held].mass, world.spec.boxes[held].friction, f"boxes.{held}")
     if held and Atom("in-hand", (held,)) not in state:
@@ -37,7 +43,8 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
     reached = abstraction(outcome.c)
     moved = sorted({atom.args[0] for atom in reached ^ state if atom.args})
     if moved or not outcome.settled:
-        what = f"gravity moves {', '.join(moved)}" if moved else "the boxes do not come to rest"
+        waited = f"the boxes do not come to rest within {physics.config.settle_time:g} s"
+        what = f"gravity moves {_list_moves(c, outcome.c, moved)}" if moved else waited
         field = f"boxes.{moved[0]}" if len(moved) == 1 else "boxes"
         raise IctampError(Code.NOT_AT_REST, f"expected a scene at rest, but {what}", field=field, value=moved)
     if held and outcome.c.held != held:
@@ -65,19 +72,26 @@ def find_overlaps(world: World, c: Configuration) -> list[Touch]:
 def check_overlaps(world: World, c: Configuration, field: str) -> None:
     """Raise IctampError, for a field, when bodies in c overlap more than physics can push apart."""
     for touch in find_overlaps(world, c):
-        problem = f"{touch.a} and {touch.b} overlap by {-1000 * touch.distance:.0f} mm"
+        depth, most = show_length(-touch.distance), show_length(MAX_OVERLAP)
+        problem = f"{touch.a} and {touch.b} overlap by {depth}, expected at most {most}"
         bodies = sorted((touch.a, touch.b))
         raise IctampError(Code.OVERLAP, problem, field=field, value=bodies, advice="move one of them")
 
 
-def _check_carried(world: World, state: State) -> None:
+def _check_carried(world: World, c: Configuration, state: State, config: PredicateConfig) -> None:
     carried = {atom.args[0] for atom in state if atom.predicate in {"on", "lying"}}
     for name in sorted(set(world.spec.boxes) - carried - {world.spec.start.held}):
         position = list(world.spec.boxes[name].position)
         raise IctampError(
             Code.NOT_CARRIED,
-            "expected a place flat on top of something, got {value}",
+            explain_loose(world, c, name, config),
             field=f"boxes.{name}.position",
             value=position,
             choices=sorted({*world.spec.supports, *world.spec.boxes} - {name}),
         )
+
+
+def _list_moves(before: Configuration, after: Configuration, boxes: Sequence[str]) -> str:
+    """List those of the boxes whose centers have moved, and how far."""
+    moves = {box: show_length(float(np.linalg.norm(after.poses[box][4:] - before.poses[box][4:]))) for box in boxes}
+    return ", ".join(f"{box} by {distance}" for box, distance in moves.items() if distance != show_length(0.0))

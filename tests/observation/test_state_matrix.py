@@ -162,6 +162,14 @@ def test_tipped_boxes_are_marked_and_lie_as_they_lie() -> None:
     np.testing.assert_allclose(quantity(seen, 0, *columns), lying.X_WU.rotation().matrix()[:, :2].T.ravel(), atol=1e-6)
 
 
+@pytest.mark.parametrize("rotation", [(180.0, 0.0, 20.0), (0.0, 180.0, 200.0)])
+def test_a_box_on_its_head_looks_like_one_that_stands(rotation: tuple[float, float, float]) -> None:
+    action, size, position = Action("pick", ("red_box", "table")), (0.05, 0.06, 0.1), (0.5, 0.0, 0.05)
+    specs = [scene({"red_box": BoxSpec(size, position, turns)}) for turns in ((0.0, 0.0, 20.0), rotation)]
+    standing, turned = (Observer(spec).observe(resting_configuration(spec), action).matrix for spec in specs)
+    np.testing.assert_allclose(turned, standing, atol=1e-6)
+
+
 def test_every_box_lies_as_frames_say() -> None:
     for number in range(24):
         spec = training_scene(number)

@@ -31,7 +31,7 @@ def test_only_what_reaches_higher_counts(world: World) -> None:
 @given(x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3, 3))
 def test_distance_is_that_from_the_outline(x: float, y: float, yaw: float) -> None:
     X_WU = RigidTransform(RotationMatrix.MakeZRotation(yaw), [0.4, 0.1, 0.2])
-    neighbour = Neighbour(X_WU, np.array([0.1, 0.05]))
+    neighbour = Neighbour(X_WU, np.array([0.1, 0.05]), 0.1)
     p_W = np.array([X_WU @ np.array([x, y, 0.0])])
     nearest = np.clip([x, y], [-0.1, -0.05], [0.1, 0.05])
     assert neighbour.distance(p_W)[0] == pytest.approx(np.hypot(*([x, y] - nearest)), abs=1e-9)
@@ -39,7 +39,7 @@ def test_distance_is_that_from_the_outline(x: float, y: float, yaw: float) -> No
 
 
 def test_the_spot_with_most_room_is_taken() -> None:
-    around = [Neighbour(RigidTransform([1.0, 0.0, 0.0]), np.array([0.05, 0.05]))]
+    around = [Neighbour(RigidTransform([1.0, 0.0, 0.0]), np.array([0.05, 0.05]), 0.1)]
     X_WT = RigidTransform(RotationMatrix.MakeZRotation(np.pi / 2), [1.0, 0.0, 0.0])
     spots = np.array([[0.08, 0.0], [0.0, 0.3], [0.0, -0.1]])
     np.testing.assert_array_equal(free_spot(spots, X_WT, around, 0.02, 1.0), [0.0, 0.3])

@@ -31,7 +31,14 @@ def test_z_points_up_and_sizes_belong_to_the_axes(R_WO: np.ndarray) -> None:
     np.testing.assert_allclose(found.X_WU.translation(), [0.1, 0.2, 0.3])
     np.testing.assert_allclose(np.abs(R_WU) @ found.size, np.abs(R_WO) @ SIZE, atol=1e-12)
     np.testing.assert_allclose(found.X_WT.translation(), [0.1, 0.2, 0.3 + found.size[2] / 2], atol=1e-12)
-    assert found.is_upright == (R_WO[2, 2] > 0.5)
+    assert found.is_upright == (abs(R_WO[2, 2]) > 0.5)
+
+
+@pytest.mark.parametrize("R_WO", ORIENTATIONS)
+@pytest.mark.parametrize("size", [(0.05, 0.05, 0.05), (0.04, 0.06, 0.06)])
+def test_a_box_that_is_as_high_as_before_is_upright(R_WO: np.ndarray, size: tuple[float, float, float]) -> None:
+    found = upright_frame(to_pose(RigidTransform(RotationMatrix(R_WO), np.zeros(3))), size)
+    assert found.is_upright == (found.size[2] == size[2])
 
 
 @given(angles, angles, angles, places)

@@ -1,0 +1,140 @@
+"""k from geometry alone: grasps and placements from above that hand, ground and the things around allow.
+
+A hand that points down comes from above, so all that counts of a thing is its outline and the height of its top. The
+hand and the held box count as disks, each with a lower face.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
+from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, ROWS
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.config import CLEARANCES
+from ictamp_drake.skills.geometry import hand_poses, held_bottom, needed_opening
+from ictamp_drake.skills.neighbours import Neighbour, neighbours
+from ictamp_drake.world.world import World
+
+LEAST_COVER = 0.003
+"""Minimum height of the box that the pads cover [m]."""
+SPARE = 0.0025
+"""Distance that a grasp keeps from what is below the hand [m]."""
+PLAY = 0.001
+"""Range of heights of grasps whose pads cannot be covered wholly [m]."""
+DROP = (0.001, 0.002)
+"""Range of heights of a placement above the top face [m]."""
+TURN = 0.02
+"""Standard deviation of yaw from the directions of the faces [rad]."""
+SPACING = 0.02
+"""Distance of the disks in a row [m]."""
+ROOM = 0.004
+"""Distance of a placed box from the things around [m]."""
+CANDIDATES = 64
+"""Number of candidates drawn at once."""
+COMPARED = 8
+"""Number of candidates that fit among which the one nearest to the middle of a box comes first."""
+
+
+class _Disk(NamedTuple):
+    """Part of the hand or held box: center in G, shape (3,), and radius [m]. Nothing may be below it."""
+
+    center: FloatArray
+    radius: float
+
+
+class GeometricSampler:
+    """Pick: pads on opposite faces, anywhere along them. Place: wherever there is room. A box's middle comes first."""
+
+    def __init__(self, world: World, arm: ArmKinematics) -> None:
+        self._world = world
+        self._arm = arm
+
+    def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
+        """k that fit and are within reach, until none of many candidates is."""
+        around = neighbours(self._world, c, {action.args[0]}, -np.inf)
+        draw = self._draw_grasps if action.name == "pick" else self._draw_placements
+        while len(k := draw(c, action, around, rng)):
+            times = self._arm.travel_times(self._hand_poses(c, action, k), c.q[:7])
+            k = k[np.isfinite(times)][:COMPARED]
+            if not len(k):
+                return
+            on_support = action.name == "place" and action.args[1] in self._world.spec.supports
+            yield from k if on_support else k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")]
+
+    def _hand_poses(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
+        return hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
+
+    def _draw_grasps(
+        self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
+    ) -> FloatArray:
+        """Grasps as low as the things below the hand allow, or higher as long as the box covers the pads."""
+        lying = self._world.upright_frame(c, action.args[0])
+        center, half = lying.X_WU.translation()[2], lying.size / 2
+        quarters = rng.choice([m for m in range(4) if lying.size[1 - m % 2] <= MAX_SIDE], CANDIDATES)
+        k = np.zeros((CANDIDATES, 4))
+        k[range(CANDIDATES), quarters % 2] = rng.uniform(-1, 1, CANDIDATES) * half[quarters % 2]
+        k[:, 3] = quarters * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
+        X_WG = self._hand_poses(c, action, k)
+        lowest = np.full(CANDIDATES, center + half[2] - PALM.bottom)
+        for side in (0, 1):
+            chosen = quarters % 2 == side
+            disks = _hand_disks(2 * half[1 - side])
+            lowest[chosen] = np.maximum(lowest[chosen], _lowest(X_WG[chosen], disks, around))
+        lowest += SPARE
+        top = center + half[2]
+        highest = np.maximum(top - PAD_HALF_HEIGHT, lowest + PLAY)
+        k[:, 2] = rng.uniform(lowest, highest) - center
+        return k[k[:, 2] <= half[2] + PAD_HALF_HEIGHT - LEAST_COVER]
+
+    def _draw_placements(
+        self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
+    ) -> FloatArray:
+        """Placements with room for the box and the hand that lets go of it."""
+        box, place = action.args
+        X_WG = self._arm.forward(c.q[:7])
+        half, top = self._world.upright_frame(c, box).size / 2, self._world.top_size(c, place) / 2
+        k = np.zeros((CANDIDATES, 4))
+        k[:, 2] = rng.uniform(*DROP, CANDIDATES)
+        if place in self._world.spec.boxes:
+            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * top / 2
+            k[:, 3] = rng.integers(4, size=CANDIDATES) * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
+        else:
+            k[:, 3] = rng.uniform(-np.pi, np.pi, CANDIDATES)
+            cos, sin = np.abs(np.cos(k[:, 3])), np.abs(np.sin(k[:, 3]))
+            extent = np.column_stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]])
+            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * np.maximum(top - extent, 0.0)
+        X_GB = held_bottom(self._world, c, box, X_WG).GetAsMatrix4()
+        placed = self._hand_poses(c, action, k)
+        beside = neighbours(self._world, c, {box, place}, -np.inf)
+        hand = _lowest(placed, _hand_disks(needed_opening(self._world, c, box, X_WG)), around)
+        return k[placed[:, 2, 3] >= np.maximum(hand, _lowest(placed, _box_disks(X_GB, half), beside))]
+
+
+def _hand_disks(width: float) -> list[_Disk]:
+    """Disks of the hand whose fingers just miss something of that width [m]."""
+    side = min(width / 2 + CLEARANCES[-1], MAX_OPENING / 2) + FINGER.half_width
+    fingers = [_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)]
+    rows = [(np.linspace(row.first, row.last, int(np.ceil((row.last - row.first) / SPACING)) + 1), row) for row in ROWS]
+    return fingers + [_Disk(np.array([0.0, y, -row.bottom]), row.radius) for ys, row in rows for y in ys]
+
+
+def _box_disks(X_GB: FloatArray, half: FloatArray) -> list[_Disk]:
+    """Disks along a held box, whose bottom frame is X_GB, shape (4, 4); half sides of shape (3,) [m]."""
+    long, radius = int(half[1] > half[0]), float(min(half[:2]))
+    reach = half[long] - radius
+    shifts = np.linspace(-reach, reach, int(np.ceil(2 * reach / radius)) + 1)
+    return [_Disk(X_GB[:3, 3] + shift * X_GB[:3, long], radius + ROOM) for shift in shifts]
+
+
+def _lowest(X_WG: FloatArray, disks: Sequence[_Disk], around: Sequence[Neighbour]) -> FloatArray:
+    """Lowest heights of G at which all disks are above what is below them, shape (n, 4, 4) -> (n,) [m]."""
+    lowest = np.full(len(X_WG), -np.inf)
+    for center, radius in disks:
+        offset = X_WG[:, :3, :3] @ center
+        p_W = X_WG[:, :3, 3] + offset
+        for each in around:
+            needed = np.where(each.distance(p_W) < radius, each.top - offset[:, 2], -np.inf)
+            lowest = np.maximum(lowest, needed)
+    return lowest
