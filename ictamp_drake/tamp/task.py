@@ -6,9 +6,10 @@ from pathlib import Path
 from time import perf_counter, process_time
 
 from ictamp_drake.core.reading import in_file
-from ictamp_drake.core.types import Atom, Configuration, State
+from ictamp_drake.core.types import Configuration, State
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.world.abstraction import SceneAbstraction
@@ -29,7 +30,7 @@ class Task:
         abstraction: Abstraction H.
         c: Initial configuration c_0, in which everything is at rest.
         s: Initial symbolic state H(c_0).
-        goal: Atoms that must hold at the end.
+        goal: Goal that must hold at the end.
         domain: Ground actions of the scene.
         setup_time_s: Time for building the task [s]; it counts as planning time.
         setup_cpu_time_s: Processor time for building the task [s].
@@ -41,7 +42,7 @@ class Task:
     abstraction: SceneAbstraction
     c: Configuration
     s: State
-    goal: frozenset[Atom]
+    goal: Goal
     domain: Domain
     setup_time_s: float
     setup_cpu_time_s: float
@@ -80,7 +81,7 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
         physics = method.physics.create(world)
         abstraction = SceneAbstraction(world, method.predicates)
         c, s = start_configuration(world, abstraction, physics)
-        check_goal(goal, s)
+        goal = check_goal(goal, s)
         roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
         domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
     seconds, cpu_seconds = perf_counter() - started, process_time() - cpu_started
