@@ -263,10 +263,13 @@ class SkillsConfig:
     ) -> "Skills":
         """The skills in one scene."""
         from ictamp_drake.motion.planner import MotionPlanner
+        from ictamp_drake.skills.areas import AreaSampler
         from ictamp_drake.skills.runner import Skills
 
         planner = MotionPlanner(world, self.motion)
         configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
         skills = {name: config.create(SkillContext(world, planner)) for name, config in configs.items()}
         drawing = sampler.create(SamplerContext(world, planner.kinematics))
+        if world.spec.areas:
+            drawing = AreaSampler(world, drawing)
         return Skills(self.draws, abstraction, physics, drawing, skills)

@@ -1,7 +1,7 @@
 """The ground domain of one scene: the actions that apply in a state s, and the state each of them leads to."""
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,15 +26,23 @@ class Domain:
     actions: tuple[GroundAction, ...]
 
     @classmethod
-    def create(cls, boxes: Sequence[str], supports: Sequence[str], initial: State) -> "Domain":
-        """Ground the domain for the objects. `initial` decides which boxes are upright and which are tipped, for good.
+    def create(
+        cls, boxes: Sequence[str], supports: Sequence[str], initial: State, kinds: Mapping[str, str] | None = None
+    ) -> "Domain":
+        """Ground the domain for the objects.
+
+        Args:
+            boxes: Names of the boxes.
+            supports: Names of the supports, regions and poses, in the order in which plans should prefer them.
+            initial: State that decides which boxes are upright and which are tipped, for good.
+            kinds: "region" or "pose" for those of `supports` that are one.
 
         Raises:
             IctampError: The name of an object is taken, or a box of the initial state is not in exactly one place.
         """
         for box in boxes:
             _check_place(box, initial)
-        objects = _typed_objects(boxes, supports)
+        objects = {name: (kinds or {}).get(name, kind) for name, kind in _typed_objects(boxes, supports).items()}
         rank = {place: number for number, place in enumerate((*supports, *boxes))}
         actions = sorted(
             ground(boxes_domain(), objects, initial),

@@ -1,36 +1,54 @@
 """Goals written by a user: PDDL text to a `Goal`, and all checks of a goal before planning starts."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, IN_HAND, LYING, ON, TIPPED, UPRIGHT, tipped_boxes
 from ictamp_drake.symbolic.expressions import Group, quote_expression, read
-from ictamp_drake.symbolic.formulas import Formula, leaves
+from ictamp_drake.symbolic.formulas import And, Formula, Not, Or, disjuncts, leaves, negation
 from ictamp_drake.symbolic.goal import Alternative, Goal
 from ictamp_drake.symbolic.grounding import expand
 from ictamp_drake.symbolic.pddl import FormulaReader, Scope, boxes_domain
 
 _FORM = "write e.g. (on BOX OBJECT), lying for on if BOX is tipped over, and join atoms by and, or, not, exists, forall"
 _FIELD = "goal"
+_AT = "at"
 _CONNECTIVES = ("and", "or", "not", "imply", "exists", "forall", "=")
 
 
-def parse_goal(text: str, boxes: Sequence[str], supports: Sequence[str]) -> Goal:
+def parse_goal(
+    text: str,
+    boxes: Sequence[str],
+    supports: Sequence[str],
+    kinds: Mapping[str, str] | None = None,
+    support_of: Mapping[str, str] | None = None,
+) -> Goal:
     """Read a goal: atoms of the planning domain, joined by and, or, not, imply, exists and forall.
+
+    A box on a support may be in any region and at any pose of it, and a box at a pose may be upright or tipped over.
+
+    Args:
+        text: Goal in PDDL.
+        boxes: Names of the boxes.
+        supports: Names of the supports.
+        kinds: "region" or "pose" by the name of each region and pose.
+        support_of: Support by the name of each region and pose on it.
 
     Raises:
         IctampError: Syntax, an unknown predicate or object, a wrong number of objects, too many alternatives, or atoms
             that cannot hold together.
     """
-    objects = {**dict.fromkeys(boxes, "box"), **dict.fromkeys(supports, "support")}
+    kinds = kinds or {}
+    objects = {**dict.fromkeys(boxes, "box"), **dict.fromkeys(supports, "support"), **kinds}
     formula = _read_formula(text, objects)
     try:
-        goal = Goal.from_formula(expand(formula, boxes_domain(), objects))
+        goal = Goal.from_formula(_name_places(expand(formula, boxes_domain(), objects), support_of or {}))
     except IctampError as error:
         error.add_field(_FIELD)
         raise
-    return _keep_possible(goal, {each: _contradictions(each, boxes) for each in goal.alternatives}, text)
+    single = [*boxes, *(name for name, kind in kinds.items() if kind == "pose")]
+    return _keep_possible(goal, {each: _contradictions(each, single) for each in goal.alternatives}, text)
 
 
 def check_goal(goal: Goal, initial: State) -> Goal:
@@ -51,6 +69,23 @@ def _keep_possible(goal: Goal, reasons: dict[Alternative, Iterator[tuple[str, st
         others = ", and every other alternative is impossible too" if len(first) > 1 else ""
         raise IctampError(Code.IMPOSSIBLE_GOAL, problem + others, field=_FIELD, value=value)
     return Goal(possible)
+
+
+def _name_places(formula: Formula, support_of: Mapping[str, str]) -> Formula:
+    """Replace `at`, and `on` and `lying` of a support, by atoms of states; a state has the place in its finest form."""
+    match formula:
+        case Atom(predicate, (box, pose)) if predicate == _AT:
+            return Or((Atom(ON, (box, pose)), Atom(LYING, (box, pose))))
+        case Atom(predicate, (box, place)) if place in support_of.values():
+            parts = [name for name, support in support_of.items() if support == place]
+            return Or(tuple(Atom(predicate, (box, each)) for each in (place, *parts)))
+        case Not(part):
+            return negation(_name_places(part, support_of))
+        case And(parts):
+            return And(tuple(_name_places(part, support_of) for part in parts))
+        case Or(parts):
+            return Or(disjuncts(Or(tuple(_name_places(part, support_of) for part in parts))))
+    return formula
 
 
 class _GoalReader(FormulaReader):
@@ -75,8 +110,9 @@ class _GoalReader(FormulaReader):
                 choices = (*scope, *self.constants)
                 problem = f"unknown object {{value}} in {written}"
                 raise IctampError(Code.UNKNOWN_CHOICE, problem, value=name, choices=choices)
-        if names and self.constants.get(str(names[0])) == "support":
-            problem = f"{{value}} cannot be reached: {names[0]} is a support, which cannot be moved"
+        kind = self.constants.get(str(names[0]), "box") if names else "box"
+        if kind != "box":
+            problem = f"{{value}} cannot be reached: {names[0]} is a {kind}, which cannot be moved"
             boxes = [name for name, kind in self.constants.items() if kind == "box"]
             raise IctampError(Code.IMPOSSIBLE_GOAL, problem, value=written, choices=boxes)
         return super().atom(group, scope)
@@ -88,8 +124,9 @@ def _read_formula(text: str, objects: dict[str, str]) -> Formula:
     except IctampError as error:
         raise _not_a_goal(f"cannot read {{value}}: {error}", quote_expression(text)) from error
     domain = boxes_domain()
+    predicates = {**domain.predicates, _AT: ("box", "pose")}
     try:
-        formula = _GoalReader(domain.types, objects, domain.predicates).formula(written, {}, written)
+        formula = _GoalReader(domain.types, objects, predicates).formula(written, {}, written)
     except IctampError as error:
         if error.code is Code.NOT_PDDL:
             raise _not_a_goal(error.problem, error.value) from error
@@ -104,8 +141,8 @@ def _not_a_goal(problem: str, found: object) -> IctampError:
     return IctampError(Code.NOT_PDDL, problem, field=_FIELD, value=found, advice=_FORM)
 
 
-def _contradictions(goal: Alternative, boxes: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Yield atoms, or boxes, that cannot hold or be there together, and why."""
+def _contradictions(goal: Alternative, single: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield atoms, or boxes, that cannot hold or be there together, and why; `single` are the places for one box."""
     resting = [atom for atom in sorted(goal.atoms) if atom.predicate in (ON, LYING)]
     lifted = [atom for atom in sorted(goal.atoms) if atom.predicate == IN_HAND]
     for atom in resting:
@@ -114,10 +151,13 @@ def _contradictions(goal: Alternative, boxes: Sequence[str]) -> Iterator[tuple[s
     for box, atoms in _group_shared([*resting, *lifted], 0):
         yield _text(atoms), f"{{value}} puts {box} in more than one place"
     for below, atoms in _group_shared(resting, 1):
-        if below in boxes:
+        if below in single:
             yield _text(atoms), f"{{value}} puts more than one box on {below}"
     for box in sorted(box for box, places in goal.places.items() if not places):
         yield box, "{value} is wanted in more than one place"
+    for place, boxes in _group_by_value(goal.targets):
+        if place in single:
+            yield place, f"{{value}} has room for one box, not for {', '.join(boxes)}"
     for circle in _circles(goal.targets):
         yield ", ".join(circle), "the boxes {value} stand on each other in a circle"
     yield from _exclusions(goal, resting, lifted)
@@ -167,6 +207,14 @@ def _group_shared(atoms: Iterable[Atom], position: int) -> Iterator[tuple[str, l
     for atom in atoms:
         by_object.setdefault(atom.args[position], []).append(atom)
     return ((name, atoms) for name, atoms in by_object.items() if len(atoms) > 1)
+
+
+def _group_by_value(below: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
+    """Yield each place on which there is more than one box, with these boxes."""
+    for place in sorted(set(below.values())):
+        boxes = sorted(box for box, each in below.items() if each == place)
+        if len(boxes) > 1:
+            yield place, boxes
 
 
 def _circles(below: dict[str, str]) -> Iterator[list[str]]:

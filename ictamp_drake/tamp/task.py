@@ -1,6 +1,5 @@
 """Turn a scene into a task, which holds everything that planning needs."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
@@ -10,8 +9,9 @@ from ictamp_drake.core.types import Configuration, State
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goal import Goal
-from ictamp_drake.symbolic.goals import check_goal, parse_goal
+from ictamp_drake.symbolic.goals import check_goal
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
+from ictamp_drake.tamp.symbols import domain_of, goal_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.observed import Start, observed_scene
 from ictamp_drake.world.simulate import Physics
@@ -76,13 +76,12 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
     """
     started, cpu_started = perf_counter(), process_time()
     with in_file(where):
-        goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
+        goal = goal_of(spec)
         world = World(spec)
         physics = method.physics.create(world)
         abstraction = SceneAbstraction(world, method.predicates)
         c, s = start_configuration(world, abstraction, physics)
         goal = check_goal(goal, s)
-        roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
-        domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
+        domain = domain_of(spec, s)
     seconds, cpu_seconds = perf_counter() - started, process_time() - cpu_started
     return Task(spec, world, physics, abstraction, c, s, goal, domain, seconds, cpu_seconds)

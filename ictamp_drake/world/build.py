@@ -33,6 +33,11 @@ SKIN = 5e-5
 """Amount by which boxes shrink on every side in queries [m]. Faces that touch within 1e-7 m make the narrow phase fail
 or return random directions, and resting boxes should count as separate."""
 
+AREA_HEIGHT = 0.001
+"""Thickness of the rectangles that show regions and poses [m]; half of it is above the support."""
+AREA_COLOR = (0.95, 0.75, 0.25)
+"""Color of these rectangles."""
+
 FINEST_RIM = 0.0075
 """Smallest distance between two contact points along the rim of a support [m]."""
 _VISUAL = re.compile(r"<visual\b.*?</visual>", re.DOTALL)
@@ -83,6 +88,10 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) 
     for name, support in sorted(spec.supports.items()):
         supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size), visible)
         plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
+    if visible:
+        for name, area in spec.areas.items():
+            shape, color = Box(*area.size, AREA_HEIGHT), [*AREA_COLOR, 1.0]
+            plant.RegisterVisualGeometry(supports[area.on], to_transform(area.X_TR), shape, name, color)
     boxes = {}
     for name, box in sorted(spec.boxes.items()):
         boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), visible)

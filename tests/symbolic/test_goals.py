@@ -18,7 +18,7 @@ from tests.symbolic.towers import Problem, formulas, problems, reachable, state,
 
 BOXES, SUPPORTS = ("cyan", "red", "blue"), ("rack", "table")
 
-CHOICES = ("on", "lying", "in-hand", "clear", "hand-empty", "upright", "tipped")
+CHOICES = ("on", "lying", "in-hand", "clear", "hand-empty", "upright", "tipped", "at")
 CHOICES += ("and", "or", "not", "imply", "exists", "forall", "=")
 
 
