@@ -7,12 +7,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.types import Atom, State
+from ictamp_drake.core.types import Action, Atom, State
+from ictamp_drake.symbolic.context import GeneratorContext
+from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.expressions import Expression, Group, read
 from ictamp_drake.symbolic.goal import MAX_ALTERNATIVES, Goal
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from ictamp_drake.symbolic.grounding import expand
 from ictamp_drake.symbolic.pddl import FormulaReader, boxes_domain
+from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.refusals import refusal
 from tests.symbolic.towers import Problem, formulas, problems, reachable, state, tower_goal
 
@@ -199,3 +202,55 @@ def test_alternatives_left_out_hold_in_no_state_that_can_be_reached(data: st.Dat
     goal = goal_of(text, problem.boxes, problem.supports)
     for s in reachable(problem.domain, problem.initial):
         assert kept.holds(s) == goal.holds(s)
+
+
+KINDS = {"near": "region", "far": "region", "spot": "pose"}
+SUPPORT_OF = {"near": "table", "far": "rack", "spot": "table"}
+
+
+def read_goal(text: str) -> Goal:
+    return parse_goal(text, BOXES, SUPPORTS, KINDS, SUPPORT_OF)
+
+
+def test_a_box_on_a_support_may_be_in_any_region_of_it() -> None:
+    goal = read_goal("(on cyan table)")
+    assert [goal.holds(frozenset({Atom("on", ("cyan", where))})) for where in ("table", "near", "spot")] == [True] * 3
+    assert not goal.holds(frozenset({Atom("on", ("cyan", "far"))}))
+    assert not read_goal("(not (on cyan table))").holds(frozenset({Atom("on", ("cyan", "near"))}))
+    assert read_goal("(on cyan near)") == Goal.of({Atom("on", ("cyan", "near"))})
+
+
+def test_a_box_at_a_pose_is_upright_or_tipped_over() -> None:
+    goal = read_goal("(exists (?x - pose) (at cyan ?x))")
+    assert [goal.holds(frozenset({Atom(word, ("cyan", "spot"))})) for word in ("on", "lying")] == [True, True]
+    assert read_goal("(exists (?x - region) (on cyan ?x))").mentioned == {
+        Atom("on", ("cyan", where)) for where in ("near", "far")
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "value"),
+    [
+        ("(at cyan table)", Code.NOT_PDDL, "(at cyan table)"),
+        ("(at cyan near)", Code.NOT_PDDL, "(at cyan near)"),
+        ("(at spot cyan)", Code.IMPOSSIBLE_GOAL, "(at spot cyan)"),
+        ("(and (on cyan near) (on cyan far))", Code.IMPOSSIBLE_GOAL, "(on cyan far) (on cyan near)"),
+        ("(and (on cyan near) (on cyan rack))", Code.IMPOSSIBLE_GOAL, "cyan"),
+        ("(and (at cyan spot) (at red spot))", Code.IMPOSSIBLE_GOAL, "spot"),
+    ],
+)
+def test_a_wrong_goal_about_regions_is_refused(text: str, code: Code, value: str) -> None:
+    with refusal(code, "goal", value=value):
+        read_goal(text)
+
+
+def test_a_pose_has_room_for_one_box() -> None:
+    initial = state([("table", "cyan"), ("spot", "red"), ("table", "blue")])
+    domain = Domain.create(BOXES, ("table", "near", "spot"), initial, {"near": "region", "spot": "pose"})
+    held = domain.successor(initial, Action("pick", ("cyan", "table")))
+    places = {action.args[1] for action, _ in domain.successors(held)}
+    assert places == {"table", "near", "red", "blue"}
+    plan = BreadthFirst().create(GeneratorContext(domain, initial, read_goal("(at cyan spot)"))).next_plan(1000)
+    assert plan is not None
+    assert plan.actions[0] == Action("pick", ("red", "spot"))
+    assert len(plan) == 4
