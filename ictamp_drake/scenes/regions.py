@@ -42,6 +42,11 @@ class RegionSpec:
         """Pose of the region's frame in the support's frame, shape (7,)."""
         return _pose(self.position, self.yaw)
 
+    @property
+    def marks(self) -> tuple[Pair, ...]:
+        """Sides of the rectangles that show the region, along its frame's x and y [m]."""
+        return (self.size,)
+
 
 @dataclass(frozen=True)
 class PoseSpec:
@@ -75,6 +80,11 @@ class PoseSpec:
     def X_TR(self) -> FloatArray:
         """Pose of the place's frame in the support's frame, shape (7,)."""
         return _pose(self.position, self.yaw)
+
+    @property
+    def marks(self) -> tuple[Pair, ...]:
+        """Sides of the rectangles that show the pose [m]: a cross whose longer arm is along its frame's x."""
+        return (0.1, 0.01), (0.01, 0.06)
 
 
 Area = RegionSpec | PoseSpec

@@ -90,8 +90,9 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, *, visible: bool = False) 
         plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
     if visible:
         for name, area in spec.areas.items():
-            shape, color = Box(*area.size, AREA_HEIGHT), [*AREA_COLOR, 1.0]
-            plant.RegisterVisualGeometry(supports[area.on], to_transform(area.X_TR), shape, name, color)
+            for number, size in enumerate(area.marks):
+                shape, label, color = Box(*size, AREA_HEIGHT), f"{name}_{number}", [*AREA_COLOR, 1.0]
+                plant.RegisterVisualGeometry(supports[area.on], to_transform(area.X_TR), shape, label, color)
     boxes = {}
     for name, box in sorted(spec.boxes.items()):
         boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), visible)

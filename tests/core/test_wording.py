@@ -133,6 +133,16 @@ SCENES: dict[str, list[tuple[str, str]]] = {
         ("(on red_box rack)", "(or (on red_box red_box) (and (clear red_box) (in-hand red_box)))")
     ],
     "a goal that is false": [("(on red_box rack)", "(exists (?x - box) (and (not (= ?x red_box)) (on ?x rack)))")],
+    "a region on nothing": [("goal", "regions: {near: {on: shelf, size: [0.1, 0.1]}}\ngoal")],
+    "a region that is too wide": [("goal", "regions: {near: {on: rack, size: [0.1, 0.5]}}\ngoal")],
+    "regions that overlap": [
+        ("goal", "regions: {a: {on: rack, size: [0.1, 0.1]}}\nposes: {b: {on: rack, position: [0, 0.05]}}\ngoal")
+    ],
+    "a pose for two boxes": [
+        ("(on red_box rack)", "(exists (?x - box) (and (at ?x b) (at blue_box b) (not (= ?x blue_box))))"),
+        ("goal", "  cyan_box: {size: [0.05, 0.05, 0.05], position: [0.6, 0.1, 0.025]}\ngoal"),
+        ("goal", f"{BLUE_BOX}\nposes: {{b: {{on: rack, position: [0, 0]}}}}\ngoal"),
+    ],
     "a goal that contradicts itself": [("(on red_box rack)", "(and (on red_box rack) (on red_box table))")],
     "a goal that moves a support": [("(on red_box rack)", "(on rack table)")],
     "a goal that stands a box up": [
