@@ -35,15 +35,13 @@ class Scene:
         A box in a region or at a pose is carried by that, and not by the support.
         """
         if (a, b) not in self._carried:
-            self._carried[a, b] = self._rests_on(a, b)
+            support = self.world.support_of(b)
+            resting = self.is_above(a, support) and self.is_level(a) and self._is_over_top(a, support)
+            self._carried[a, b] = resting and self._area(a, b) == b
         return self._carried[a, b]
 
-    def _rests_on(self, a: str, b: str) -> bool:
-        support = self.world.spec.support_of(b)
-        resting = self.is_above(a, support) and self.is_level(a) and self._is_over_top(a, support)
-        if not resting or support in self.boxes:
-            return resting
-        return self.world.area_at(b, self.boxes[a].X_WU, self.boxes[a].size) == b
+    def _area(self, a: str, b: str) -> str:
+        return self.world.area_at(b, self.boxes[a].X_WU, self.boxes[a].size)
 
     def _is_over_top(self, a: str, b: str) -> bool:
         p_TA = self.world.X_WT(self.c, b).inverse() @ self.boxes[a].X_WU.translation()

@@ -68,6 +68,7 @@ class World:
         for name, area in spec.areas.items():
             X_WT = self._tops[area.on].X_WT @ to_transform(area.X_TR)
             self._tops[name] = _Top(X_WT, np.array(area.size))
+        self._support_of = {name: area.on for name, area in spec.areas.items()}
         self._areas = {name: [area for area in spec.areas if spec.areas[area].on == name] for name in spec.supports}
 
     def _name_geometries(self) -> dict[object, str]:
@@ -123,18 +124,24 @@ class World:
         """Return the box as it lies in c."""
         return upright_frame(c.poses[box], self.sizes[box])
 
+    def support_of(self, place: str) -> str:
+        """Return the support that a region or pose is on; any other name is returned unchanged."""
+        return self._support_of.get(place, place)
+
     def area_at(self, place: str, X_WU: RigidTransform, size: FloatArray, margin: float = 0.0) -> str:
         """Return the region or pose in which a box on the place is; the place itself when it is in none.
 
         Args:
-            place: Support, or a region or pose on it.
+            place: Support, or a region or pose on it; also a box, which has neither.
             X_WU: Upright frame of the box.
             size: Side lengths along U's axes [m]; they say which turns make no difference to the box.
             margin: Amount by which regions and tolerances of position are wider than they are [m].
         """
-        support = self.spec.support_of(place)
-        found = (name for name in self._areas[support] if self._is_in_area(name, X_WU, size, margin))
-        return next(found, support)
+        support = self.support_of(place)
+        for name in self._areas.get(support, ()):
+            if self._is_in_area(name, X_WU, size, margin):
+                return name
+        return support
 
     def _is_in_area(self, name: str, X_WU: RigidTransform, size: FloatArray, margin: float) -> bool:
         X_TU = self._tops[name].X_WT.inverse() @ X_WU
