@@ -18,12 +18,13 @@ class Domain:
 
     Actions on supports come before those on boxes, each group in the given order, and so do their plans among plans of
     equal length. A support offers many places and a box hardly any, and a box on top of another can be in the way
-    later.
+    later. Regions and poses count as supports. Of the `supports`, `poses` have room for one box.
     """
 
     boxes: tuple[str, ...]
     supports: tuple[str, ...]
     actions: tuple[GroundAction, ...]
+    poses: tuple[str, ...] = ()
 
     @classmethod
     def create(
@@ -48,7 +49,8 @@ class Domain:
             ground(boxes_domain(), objects, initial),
             key=lambda each: (each.action.name, rank[each.action.args[1]], each.action),
         )
-        return cls(tuple(boxes), tuple(supports), tuple(actions))
+        poses = tuple(name for name in supports if objects[name] == "pose")
+        return cls(tuple(boxes), tuple(supports), tuple(actions), poses)
 
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
         """Return the applicable actions in their order, each with the state that it promises."""

@@ -114,7 +114,8 @@ class _Moves:
         self._obstructions = obstructions
         self._allowed = goal.places
         self._target = goal.targets
-        self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
+        single = {*domain.boxes, *domain.poses}
+        self._occupant = {below: box for box, below in self._target.items() if below in single}
         self._beneath_in_goal = {box: frozenset(objects_beneath(box, self._target)) for box in self._target}
         self._lifted = frozenset(atom.args[0] for atom in goal.atoms if atom.predicate == IN_HAND)
         self._clear = frozenset(atom.args[0] for atom in goal.atoms if atom.predicate == CLEAR)

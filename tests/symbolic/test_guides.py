@@ -12,7 +12,19 @@ from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount
-from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, formulas, problems, reachable, state, tower_goal
+from tests.symbolic.towers import (
+    LEVELS,
+    Problem,
+    Tower,
+    arrangements,
+    draw_obstructions,
+    formulas,
+    problems,
+    reachable,
+    state,
+    tower_atoms,
+    tower_goal,
+)
 
 
 def distances(domain: Domain, initial: State, goal: Goal) -> dict[State, float]:
@@ -54,6 +66,28 @@ def test_so_it_is_with_any_formula_as_goal(data: st.DataObject, problem: Problem
             guide.estimate_distance(after) >= guide.estimate_distance(s) - 1
             for _, after in problem.domain.successors(s)
         )
+
+
+@given(st.data())
+def test_so_it_is_with_poses(data: st.DataObject) -> None:
+    boxes, places, kinds = ("a", "b", "c"), ("table", "spot", "mark"), {"spot": "pose", "mark": "pose"}
+    start, end = (data.draw(arrangements(boxes, places).filter(_has_room), label) for label in ("start", "end"))
+    initial = state(start)
+    domain = Domain.create(boxes, places, initial, kinds)
+    atoms = sorted(atom for tower in end for atom in tower_atoms(tower))
+    goal = Goal.of(data.draw(st.sets(st.sampled_from(atoms), min_size=1)))
+    guide = MoveCount(domain, goal, weight=1)
+    for s, distance in distances(domain, initial, goal).items():
+        assert guide.estimate_distance(s) <= distance < math.inf
+        assert all(
+            guide.estimate_distance(after) >= guide.estimate_distance(s) - 1 for _, after in domain.successors(s)
+        )
+
+
+def _has_room(towers: list[Tower]) -> bool:
+    """Whether at most one tower stands at each pose."""
+    feet = [tower[0] for tower in towers if tower[0] != "table"]
+    return len(feet) == len(set(feet))
 
 
 @given(data=st.data(), problem=problems(boxes=3))
