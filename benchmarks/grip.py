@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.types import Action, Attempt, Configuration
+from ictamp_drake.core.types import Action, Attempt, Configuration, Skeleton
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.config import CarryingConfig
@@ -124,9 +124,9 @@ def measure(task: Task, method: Method = METHOD, seed: int = 0) -> Measured:
     skills = method.skills.create(task.world, task.abstraction, task.physics, method.sampler_config)
 
     def attempt(c: Configuration, *action: str) -> Attempt[Configuration]:
-        a = Action(action[0], action[1:])
-        promised = task.domain.successor(task.abstraction(c), a)
-        done = skills.attempt(c, a, promised, np.random.default_rng(seed))
+        a, s = Action(action[0], action[1:]), task.abstraction(c)
+        plan = Skeleton((s, task.domain.successor(s, a)), (a,))
+        done = skills.attempt(c, plan, np.random.default_rng(seed))
         if done.successor is None or (action[0] == "pick" and done.successor.held != BOX):
             raise RuntimeError(f"{a}: {done.failure}, {done.detail}")
         return done

@@ -13,6 +13,7 @@ from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, LYING, ON, TIPPED, UPRIGHT
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from ictamp_drake.tamp.method import SCENE_METHOD
 
@@ -58,7 +59,7 @@ def report(name: str, towers: list[tuple[str, ...]], wanted: list[tuple[str, ...
     for config in (SCENE_METHOD.generator_config, BreadthFirst()):
 
         def first_plan() -> tuple[int, int]:
-            stream = config.create(GeneratorContext(domain, start, goal))  # noqa: B023  (called at once)
+            stream = config.create(GeneratorContext(domain, start, Goal.of(goal)))  # noqa: B023  (called at once)
             plan = stream.next_plan(1_000_000)
             return (0 if plan is None else len(plan)), stream.expanded
 

@@ -22,6 +22,7 @@ from ictamp_drake.planning.proportional import ProportionalConfig
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, ON, UPRIGHT
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
 
 SUPPORTS = ("east", "north", "south", "west")
@@ -92,7 +93,7 @@ def solve(size: int, number: int, barred: float, config: BreadthFirst | BestFirs
     planner = PlannerConfig(Budget(seconds=1e6, steps=STEPS), rule=ProportionalConfig(W=W)).create(
         c=Configuration(state, 0),
         s=state,
-        generator=config.create(GeneratorContext(Domain.create(boxes, SUPPORTS, state), state, goal)),
+        generator=config.create(GeneratorContext(Domain.create(boxes, SUPPORTS, state), state, Goal.of(goal))),
         skills=Skills((size, number), goal, barred),
         estimator=Constant(0.9),
         verify=lambda _: True,

@@ -20,6 +20,8 @@ from ictamp_drake.core.lazy import import_lazily
 if TYPE_CHECKING:
     from ictamp_drake.core.errors import IctampError
     from ictamp_drake.core.failures import Failure
+    from ictamp_drake.scenes.regions import PoseSpec as Pose
+    from ictamp_drake.scenes.regions import RegionSpec as Region
     from ictamp_drake.scenes.spec import ArmSpec as Arm
     from ictamp_drake.scenes.spec import BoxSpec as Box
     from ictamp_drake.scenes.spec import SceneSpec as Scene
@@ -39,6 +41,8 @@ __all__ = [
     "IctampError",
     "Method",
     "Plan",
+    "Pose",
+    "Region",
     "Scene",
     "Solution",
     "Start",
@@ -57,6 +61,8 @@ _HOMES = {
     "IctampError": "core.errors:IctampError",
     "Method": "tamp.method:Method",
     "Plan": "tamp.plan:Plan",
+    "Pose": "scenes.regions:PoseSpec",
+    "Region": "scenes.regions:RegionSpec",
     "Scene": "scenes.spec:SceneSpec",
     "Solution": "tamp.solve:Solution",
     "Start": "world.observed:Start",

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from ictamp_drake.skills.place import Place
     from ictamp_drake.symbolic.context import GeneratorConfig, GeneratorContext
     from ictamp_drake.symbolic.domain import Domain
+    from ictamp_drake.symbolic.goal import Goal
     from ictamp_drake.world.world import World
 
 __all__ = [
@@ -70,6 +71,7 @@ __all__ = [
     "FloatArray",
     "GeneratorConfig",
     "GeneratorContext",
+    "Goal",
     "GripperCommand",
     "Learned",
     "Motion",
@@ -123,6 +125,7 @@ _HOMES = {
     "FloatArray": "core.types:FloatArray",
     "GeneratorConfig": "symbolic.context:GeneratorConfig",
     "GeneratorContext": "symbolic.context:GeneratorContext",
+    "Goal": "symbolic.goal:Goal",
     "GripperCommand": "core.types:GripperCommand",
     "Learned": "core.protocols:Learned",
     "Motion": "core.types:Motion",

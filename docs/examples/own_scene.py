@@ -23,7 +23,7 @@ def main() -> None:
     assert plan.actions[0].args == ("green_box", "red_box"), "what is in the way goes first"
     end = plan.attempts[-1].successor
     assert end is not None
-    assert task.goal <= task.abstraction(end), "H of where physics ended holds the goal"
+    assert task.goal.holds(task.abstraction(end)), "H of where physics ended holds the goal"
 
     folder = Path("runs/own_scene")
     folder.mkdir(parents=True, exist_ok=True)

@@ -27,6 +27,8 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
         IctampError: A field is unknown or missing, or its value has the wrong type or is refused by the dataclass.
     """
     fields, hints = _fields(schema)  # type: ignore[arg-type]  # a class can be hashed
+    if "on" in fields and isinstance(raw, dict):
+        raw = {"on" if key is True else key: value for key, value in raw.items()}  # as YAML reads on
     values = {}
     for written, value in mapping(raw, where).items():
         name = written if written in fields else respell(written)

@@ -134,13 +134,19 @@ class Observer:
 
     def __init__(self, spec: SceneSpec) -> None:
         self._boxes = sorted(spec.boxes)
-        names = [*self._boxes, *sorted(spec.supports)]
+        names = [*self._boxes, *sorted(spec.supports), *sorted(spec.areas)]
         self._number = {name: number for number, name in enumerate(names)}
+        self._support = np.array([self._number[spec.support_of(name)] for name in names])
+        self._areas = np.array([self._number[name] for name in spec.areas], dtype=np.intp)
         self._sizes = np.array([spec.boxes[name].size for name in self._boxes])
-        supports = [spec.supports[name] for name in names[len(self._boxes) :]]
+        supports = [spec.supports[spec.support_of(name)] for name in names[len(self._boxes) :]]
         self._support_sizes = np.array([support.size for support in supports])
         self._X_BW = np.linalg.inv(to_matrices(spec.arm.X_WB))
         self._X_BS = self._X_BW @ to_matrices(np.array([support.X_WT for support in supports]))
+        for name, area in spec.areas.items():
+            number = self._number[name] - len(self._boxes)
+            self._support_sizes[number, :2] = area.size
+            self._X_BS[number] = self._X_BS[number] @ to_matrices(area.X_TR)
         self._X_BS[:, :3, 3] -= self._X_BS[:, :3, 2] * self._support_sizes[:, 2:] / 2
 
     def observe(self, c: Configuration, action: Action) -> Observation:
@@ -197,9 +203,17 @@ class Observer:
         picks, box, place = steps
         held = np.where(picks & (situations.held == box), ABSENT, situations.held)
         first = np.stack([np.where(picks, box, ABSENT), np.where(picks, held, box), place], axis=1)
-        order = situations.nearest(first, box, place)
+        order = situations.nearest(self._hidden(first, place), box, place)
         rows = np.concatenate([first, order, np.full((len(first), ROWS), ABSENT)], axis=1)[:, :ROWS]
         return self._observation(situations, rows, situations.targets(steps))
+
+    def _hidden(self, first: Numbers, place: Numbers) -> Numbers:
+        """Return the objects that are not among the others: the first ones, regions and poses, and the place's support.
+
+        So a region or pose is seen only as the place of an action, and there instead of its support.
+        """
+        areas = np.broadcast_to(self._areas, (len(first), len(self._areas)))
+        return np.concatenate([first, self._support[place][:, None], areas], axis=1)
 
     def _observation(self, situations: Situations, rows: Numbers, X_BK: FloatArray) -> Observation:
         mask = rows != ABSENT

@@ -154,7 +154,14 @@ class Planner(Generic[C]):
             spent = self._spend(start, cpu_start, ROOT)
         geometric = None if self._geometric_at is None else self._geometric_at - cpu_start
         return PlanningResult(
-            self.tree, reason, spent.seconds, spent.cpu_seconds, spent.seconds_by_stage, candidate, geometric, found
+            tree=self.tree,
+            stop_reason=reason,
+            planning_time_s=spent.seconds,
+            cpu_time_s=spent.cpu_seconds,
+            seconds_by_stage=spent.seconds_by_stage,
+            candidate=candidate,
+            geometric_time_s=geometric,
+            found=found,
         )
 
     def _goes_on(self, start: float, cpu_start: float) -> bool:

@@ -1,6 +1,5 @@
 """Predictions of estimators for cases whose success was counted."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import NamedTuple
@@ -14,7 +13,7 @@ from ictamp_drake.learning.cases import Case
 from ictamp_drake.learning.dataset import scene
 from ictamp_drake.symbolic.continuation import continue_plan
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.symbolic.goals import parse_goal
+from ictamp_drake.tamp.symbols import domain_of, goal_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
 
@@ -54,7 +53,7 @@ def ask_contenders(cases: Sequence[Case], contenders: Mapping[str, EstimatorConf
 def _plan_cases(world: World, cases: Sequence[Case]) -> Iterator[tuple[Case, Skeleton]]:
     """Yield each case with its plan, except cases without a plan."""
     spec, abstraction = world.spec, SceneAbstraction(world)
-    goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
+    goal = goal_of(spec)
     domains: dict[State, Domain] = {}
     for case in cases:
         state = abstraction(case.c)
@@ -68,7 +67,5 @@ def _domain(world: World, state: State, known: dict[State, Domain]) -> Domain:
     """Domain as planning sets it up, created once for each combination of upright and tipped boxes."""
     posture = frozenset(atom for atom in state if atom.predicate in ("upright", "tipped"))
     if posture not in known:
-        supports = world.spec.supports
-        roomiest_first = sorted(supports, key=lambda name: -math.prod(supports[name].size[:2]))
-        known[posture] = Domain.create(sorted(world.spec.boxes), roomiest_first, state)
+        known[posture] = domain_of(world.spec, state)
     return known[posture]

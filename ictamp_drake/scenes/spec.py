@@ -5,7 +5,7 @@ The rooms `world` and `symbolic` check whether boxes overlap or float, and what 
 """
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.hand import MAX_SIDE
 from ictamp_drake.models.things import SUPPORTS, read_thing
+from ictamp_drake.scenes.regions import Area, PoseSpec, RegionSpec, check_areas
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -174,6 +175,8 @@ class SceneSpec:
         arm: Mounting pose of the arm.
         supports: Supports by name, at least one.
         boxes: Boxes by name, at least one.
+        regions: Rectangles on supports, by name, that are places of their own.
+        poses: Places on supports, by name, each for one box with its yaw.
         goal: PDDL formula, e.g. (and (on cyan_box rack) (on yellow_box cyan_box)).
         start: Posture of the arm at the beginning, and what it holds.
         seed: Random seed of the problem.
@@ -184,6 +187,8 @@ class SceneSpec:
     arm: ArmSpec = ArmSpec()
     supports: dict[str, SupportSpec]
     boxes: dict[str, BoxSpec]
+    regions: dict[str, RegionSpec] = field(default_factory=dict)
+    poses: dict[str, PoseSpec] = field(default_factory=dict)
     goal: str
     start: StartSpec = StartSpec()
     seed: int = 0
@@ -197,7 +202,9 @@ class SceneSpec:
             if (count := len(getattr(self, section))) > most:
                 problem = f"expected at most {most}, got {{value}}"
                 raise IctampError(Code.TOO_LARGE, problem, field=section, value=count)
-        check_names(supports=self.supports, boxes=self.boxes)
+        check_names(supports=self.supports, boxes=self.boxes, regions=self.regions, poses=self.poses)
+        sizes = {name: support.size for name, support in self.supports.items()}
+        check_areas({"regions": self.regions, "poses": self.poses}, sizes)
         if self.start.held:
             check_choice("start.held", self.start.held, self.boxes)
         if not self.goal.strip():
@@ -206,6 +213,20 @@ class SceneSpec:
         check_range("seed", self.seed, 0, 2**63 - 1)
         for kind in self.interference:
             check_choice("interference", kind, INTERFERENCES)
+
+    @property
+    def areas(self) -> dict[str, Area]:
+        """Regions and poses by name."""
+        return {**self.regions, **self.poses}
+
+    @property
+    def places(self) -> dict[str, SupportSpec | Area]:
+        """Supports, regions and poses by name."""
+        return {**self.supports, **self.areas}
+
+    def support_of(self, place: str) -> str:
+        """Return the support that a region or pose is on; any other name is returned unchanged."""
+        return self.areas[place].on if place in self.areas else place
 
 
 def load_scene(path: Path | str) -> SceneSpec:
@@ -228,10 +249,13 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
 
 
 def to_dict(spec: SceneSpec) -> dict[str, Any]:
-    """The scene in the types of YAML and JSON. `start` is left out if it has its default values."""
+    """The scene in the types of YAML and JSON. `start`, `regions` and `poses` are left out if they say nothing."""
     values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
         del values["start"]
+    for section in ("regions", "poses"):
+        if not values[section]:
+            del values[section]
     return values
 
 

@@ -11,6 +11,8 @@ import tyro
 
 from ictamp_drake.core.checks import check_fields, check_interval, check_range, check_vector
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.protocols import Sampler
+from ictamp_drake.core.types import Configuration
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.models.constants import MAX_GRIP_FORCE
 from ictamp_drake.models.grip import LEAST_FORCE, SAFETY
@@ -274,6 +276,7 @@ class SkillsConfig:
     ) -> "Skills":
         """The skills in one scene."""
         from ictamp_drake.motion.planner import MotionPlanner
+        from ictamp_drake.skills.areas import AreaSampler
         from ictamp_drake.skills.lookahead import Lookahead
         from ictamp_drake.skills.runner import Skills
 
@@ -281,6 +284,9 @@ class SkillsConfig:
         configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
         skills = {name: config.create(SkillContext(world, planner)) for name, config in configs.items()}
         drawing = sampler.create(SamplerContext(world, planner.kinematics))
+        random: Sampler[Configuration] = UniformConfig().create(SamplerContext(world, planner.kinematics))
+        if world.spec.areas:
+            drawing, random = AreaSampler(world, drawing), AreaSampler(world, random)
         place = self.place if isinstance(self.place, PlaceConfig) else PlaceConfig()
-        lookahead = Lookahead(world, planner.kinematics, self.look_ahead, place) if self.look_ahead else None
+        lookahead = Lookahead(world, planner.kinematics, random, self.look_ahead, place) if self.look_ahead else None
         return Skills(self.draws, abstraction, physics, drawing, skills, lookahead)

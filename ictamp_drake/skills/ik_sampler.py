@@ -140,7 +140,8 @@ class OptimizationSampler:
         config, X_WT = self._config, self._world.X_WT(c, receptacle)
         radius = float(np.linalg.norm(self._world.upright_frame(c, box).size[:2])) / 2
         on_box = receptacle in self._world.spec.boxes
-        room = np.maximum(self._world.top_size(c, receptacle) / 2 - radius, 0.0)
+        edge = 0.0 if receptacle in self._world.spec.areas else radius
+        room = np.maximum(self._world.top_size(c, receptacle) / 2 - edge, 0.0)
         bound = np.full(2, config.overhang) if on_box else room
         spot = rng.uniform(-bound, bound) if on_box else self._free_spot(X_WT, bound, around, radius, rng)
         if spot is None:

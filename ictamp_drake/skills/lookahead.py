@@ -7,12 +7,12 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
+from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Configuration, FloatArray, Parameter, Skeleton
 from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.skills.config import PlaceConfig, UniformConfig
+from ictamp_drake.skills.config import PlaceConfig
 from ictamp_drake.skills.geometry import R_DOWN, level_pose
-from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.symbolic.atoms import objects_beneath, supporters
 from ictamp_drake.world.world import World
 
@@ -26,13 +26,17 @@ class Lookahead:
     Args:
         world: The scene.
         arm: Kinematics of its arm.
+        random: Sampler of random placements.
         draws: Number of the sampler's placements asked in one attempt, and then of random ones.
         place: Constants of a placement. They say how far the hand rises above a box.
     """
 
-    def __init__(self, world: World, arm: ArmKinematics, draws: int, place: PlaceConfig) -> None:
+    def __init__(
+        self, world: World, arm: ArmKinematics, random: Sampler[Configuration], draws: int, place: PlaceConfig
+    ) -> None:
         self._world = world
         self._arm = arm
+        self._random = random
         self._draws = draws
         self._place = place
 
@@ -48,7 +52,7 @@ class Lookahead:
             yield from drawing
             return
         action, late = plan.actions[0], list[Parameter | Failure]()
-        random = UniformSampler(self._world, UniformConfig()).draws(c, action, rng)
+        random = self._random.draws(c, action, rng)
         for k in chain(islice(drawing, self._draws), islice(random, self._draws)):
             if not isinstance(k, Failure) and self._is_within_reach(c, action.args[1], k, np.array(ahead)):
                 yield k

@@ -50,7 +50,7 @@ class PerturbedSampler:
         config = self._config
         if action.name == "pick":
             return k + self._noise(config.grasp, rng)
-        k = k + self._noise(config.on_support if action.args[1] in self._world.spec.supports else config.on_box, rng)
+        k = k + self._noise(config.on_box if action.args[1] in self._world.spec.boxes else config.on_support, rng)
         k[2] = max(k[2], config.lowest)
         if rng.random() < config.any_yaw:
             k[3] = rng.uniform(-np.pi, np.pi)

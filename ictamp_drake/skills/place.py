@@ -28,6 +28,7 @@ class Place:
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that places with parameter k from c, or the reason why there is none."""
         planner, (box, receptacle) = self._planner, action.args
+        support = self._world.support_of(receptacle)
         X_WG0 = planner.kinematics.forward(c.q[:7])
         X_GB = held_bottom(self._world, c, box, X_WG0)
         X_WG = placement_pose(self._world, c, receptacle, X_GB, k)
@@ -52,8 +53,8 @@ class Place:
         transfer, lower = carried
         return (
             transfer.segment("transfer", c.gripper, {box}),
-            lower.segment("lower", c.gripper, {box, receptacle}),
-            hold("release", q_place, c.gripper, opening, {box, receptacle}),
+            lower.segment("lower", c.gripper, {box, support}),
+            hold("release", q_place, c.gripper, opening, {box, support}),
             retreat.segment("retreat", opening, ()),
         )
 

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from ictamp_drake.core.protocols import Config, PlanGenerator
-from ictamp_drake.core.types import Atom, State
+from ictamp_drake.core.types import State
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 
 
 @dataclass(frozen=True)
@@ -15,12 +16,12 @@ class GeneratorContext:
     Attributes:
         domain: Ground actions of the scene.
         initial: H(c_0), the state in which plans begin.
-        goal: Atoms that hold in the state in which plans end.
+        goal: Goal that holds in the state in which plans end.
     """
 
     domain: Domain
     initial: State
-    goal: frozenset[Atom]
+    goal: Goal
 
 
 @runtime_checkable

@@ -1,8 +1,9 @@
 """Plans that begin with a given action and continue to the goal, for estimators that look ahead."""
 
-from ictamp_drake.core.types import Action, Atom, Skeleton, State
+from ictamp_drake.core.types import Action, Skeleton, State
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 
 EXPANSIONS = 1000
@@ -10,7 +11,7 @@ EXPANSIONS = 1000
 
 
 def continue_plan(
-    domain: Domain, state: State, action: Action, goal: frozenset[Atom], max_expansions: int = EXPANSIONS
+    domain: Domain, state: State, action: Action, goal: Goal, max_expansions: int = EXPANSIONS
 ) -> Skeleton:
     """Return the action followed by the shortest plan to the goal, or the action alone when no plan is found.
 

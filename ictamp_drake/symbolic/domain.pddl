@@ -1,12 +1,14 @@
 ; Boxes that a hand picks from and places on supports and other boxes.
 ;
 ; No action changes upright or tipped: a box that lies on its side is carried lying and laid down lying.
-; clear is about boxes only: nothing rests on the box, and it is not held. A support always has room for more.
+; clear is about boxes only: nothing rests on the box, and it is not held. A support always has room for more, and so has
+; a region of it. A pose has room for one box.
 
 (define (domain boxes)
-  (:requirements :strips :typing :equality :disjunctive-preconditions :universal-preconditions :conditional-effects)
+  (:requirements :strips :typing :equality :negative-preconditions :disjunctive-preconditions
+    :quantified-preconditions :conditional-effects)
 
-  (:types box support - thing)
+  (:types box support - thing region pose - support)
 
   (:predicates
     (on ?a - box ?b - thing)       ; a stands upright on b
@@ -37,7 +39,8 @@
     :precondition (and
       (in-hand ?a)
       (not (= ?a ?b))
-      (forall (?x - box) (imply (= ?x ?b) (clear ?x))))
+      (forall (?x - box) (imply (= ?x ?b) (clear ?x)))
+      (forall (?x - pose) (imply (= ?x ?b) (not (exists (?y - box) (or (on ?y ?x) (lying ?y ?x)))))))
     :effect (and
       (hand-empty)
       (clear ?a)

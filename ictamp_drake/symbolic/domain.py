@@ -1,7 +1,7 @@
 """The ground domain of one scene: the actions that apply in a state s, and the state each of them leads to."""
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,29 +18,39 @@ class Domain:
 
     Actions on supports come before those on boxes, each group in the given order, and so do their plans among plans of
     equal length. A support offers many places and a box hardly any, and a box on top of another can be in the way
-    later.
+    later. Regions and poses count as supports. Of the `supports`, `poses` have room for one box.
     """
 
     boxes: tuple[str, ...]
     supports: tuple[str, ...]
     actions: tuple[GroundAction, ...]
+    poses: tuple[str, ...] = ()
 
     @classmethod
-    def create(cls, boxes: Sequence[str], supports: Sequence[str], initial: State) -> "Domain":
-        """Ground the domain for the objects. `initial` decides which boxes are upright and which are tipped, for good.
+    def create(
+        cls, boxes: Sequence[str], supports: Sequence[str], initial: State, kinds: Mapping[str, str] | None = None
+    ) -> "Domain":
+        """Ground the domain for the objects.
+
+        Args:
+            boxes: Names of the boxes.
+            supports: Names of the supports, regions and poses, in the order in which plans should prefer them.
+            initial: State that decides which boxes are upright and which are tipped, for good.
+            kinds: "region" or "pose" for those of `supports` that are one.
 
         Raises:
             IctampError: The name of an object is taken, or a box of the initial state is not in exactly one place.
         """
         for box in boxes:
             _check_place(box, initial)
-        objects = _typed_objects(boxes, supports)
+        objects = {name: (kinds or {}).get(name, kind) for name, kind in _typed_objects(boxes, supports).items()}
         rank = {place: number for number, place in enumerate((*supports, *boxes))}
         actions = sorted(
             ground(boxes_domain(), objects, initial),
             key=lambda each: (each.action.name, rank[each.action.args[1]], each.action),
         )
-        return cls(tuple(boxes), tuple(supports), tuple(actions))
+        poses = tuple(name for name in supports if objects[name] == "pose")
+        return cls(tuple(boxes), tuple(supports), tuple(actions), poses)
 
     def successors(self, state: State) -> tuple[tuple[Action, State], ...]:
         """Return the applicable actions in their order, each with the state that it promises."""

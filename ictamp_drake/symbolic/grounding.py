@@ -5,7 +5,7 @@ them: ground actions contain no static atoms, and actions that static atoms rule
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ictamp_drake.core.errors import Code, IctampError
@@ -30,6 +30,9 @@ from ictamp_drake.symbolic.operators import Operator, PddlDomain, lineage
 
 MAX_PARTS = 10_000_000
 """Maximum number of formula parts evaluated while grounding a domain, which takes about ten seconds."""
+
+MAX_GOAL_PARTS = 100_000
+"""Maximum number of formula parts evaluated while a goal's quantifiers are written out, about a tenth of a second."""
 
 _Binding = dict[str, str]
 """Object of each variable, by the name of the variable."""
@@ -95,10 +98,27 @@ def ground(domain: PddlDomain, objects: Mapping[str, str], initial: State) -> tu
     return tuple(action for operator in domain.operators for action in grounder.ground(operator))
 
 
+def expand(formula: Formula, domain: PddlDomain, objects: Mapping[str, str]) -> Formula:
+    """Return a formula without variables in its simplest form: atoms, negated atoms, conjunctions and disjunctions.
+
+    Args:
+        formula: Formula whose variables are all quantified.
+        domain: Domain with the types.
+        objects: Types of the objects by name.
+
+    Raises:
+        IctampError: There are too many ways to choose objects.
+    """
+    grounder = _Grounder(replace(domain, predicates={}), objects, frozenset(), MAX_GOAL_PARTS)
+    return grounder.simplify(formula, {})
+
+
 class _Grounder:
     """Replaces variables by objects and evaluates static atoms."""
 
-    def __init__(self, domain: PddlDomain, objects: Mapping[str, str], initial: State) -> None:
+    def __init__(
+        self, domain: PddlDomain, objects: Mapping[str, str], initial: State, max_parts: int = MAX_PARTS
+    ) -> None:
         self._objects: dict[str, list[str]] = {}
         for name, kind in {**domain.constants, **objects}.items():
             for ancestor in lineage(kind, domain.types):
@@ -106,12 +126,12 @@ class _Grounder:
         changed = {effect.atom.predicate for operator in domain.operators for effect in operator.effects}
         self._static = domain.predicates.keys() - changed
         self._facts = frozenset(atom for atom in initial if atom.predicate in self._static)
-        self._parts_left = MAX_PARTS
+        self._parts_left = max_parts
 
     def ground(self, operator: Operator) -> Iterator[GroundAction]:
         """Yield the ground actions of an operator, in the order of their objects."""
         for binding in self._choices(operator):
-            precondition = conjuncts(self._simplify(operator.precondition, binding))
+            precondition = conjuncts(self.simplify(operator.precondition, binding))
             atoms = frozenset(part for part in precondition if isinstance(part, Atom))
             further = tuple(part for part in precondition if not isinstance(part, Atom))
             if FALSE in further or any(isinstance(part, Not) and part.part in atoms for part in further):
@@ -131,7 +151,7 @@ class _Grounder:
             bindings = [
                 binding
                 for binding in self._extend_bindings(bindings, variable, parts)
-                if all(self._simplify(part, binding) is TRUE for part in decided)
+                if all(self.simplify(part, binding) is TRUE for part in decided)
             ]
         return bindings
 
@@ -140,13 +160,13 @@ class _Grounder:
         found: dict[Formula, tuple[set[Atom], set[Atom]]] = {TRUE: (set(), set())}
         for effect in operator.effects:
             for wider in self._instances(effect.variables, binding, conjuncts(effect.condition)):
-                condition = self._simplify(effect.condition, wider)
+                condition = self.simplify(effect.condition, wider)
                 if condition is not FALSE:
                     add, delete = found.setdefault(condition, (set(), set()))
                     (add if effect.adds else delete).add(_bind(effect.atom, wider))
         return [ConditionalEffect(when, frozenset(add), frozenset(delete)) for when, (add, delete) in found.items()]
 
-    def _simplify(self, formula: Formula, binding: _Binding) -> Formula:
+    def simplify(self, formula: Formula, binding: _Binding) -> Formula:
         """Reduce a formula to TRUE, FALSE, or a ground formula of atoms that can change."""
         self._count()
         match formula:
@@ -156,14 +176,14 @@ class _Grounder:
             case Equal((left, right)):
                 return TRUE if binding.get(left, left) == binding.get(right, right) else FALSE
             case Not(part):
-                return negation(self._simplify(part, binding))
+                return negation(self.simplify(part, binding))
             case And(parts):
-                return _conjunction(self._simplify(part, binding) for part in parts)
+                return _conjunction(self.simplify(part, binding) for part in parts)
             case Or(parts):
-                return _disjunction(self._simplify(part, binding) for part in parts)
+                return _disjunction(self.simplify(part, binding) for part in parts)
             case Exists(variables, body):
                 instances = self._instances(variables, binding, conjuncts(body))
-                return _disjunction(self._simplify(body, wider) for wider in instances)
+                return _disjunction(self.simplify(body, wider) for wider in instances)
 
     def _instances(
         self, variables: Sequence[Variable], binding: _Binding, parts: Sequence[Formula]
@@ -200,8 +220,8 @@ class _Grounder:
     def _count(self) -> None:
         self._parts_left -= 1
         if self._parts_left < 0:
-            advice = "use fewer parameters or fewer objects"
-            raise IctampError(Code.TOO_LARGE, "the planning domain has too many ground actions", advice=advice)
+            advice = "use fewer variables or fewer objects"
+            raise IctampError(Code.TOO_LARGE, "there are too many ways to choose objects for variables", advice=advice)
 
 
 def _bind(atom: Atom, binding: _Binding) -> Atom:

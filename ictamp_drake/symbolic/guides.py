@@ -4,11 +4,13 @@ import math
 from collections import deque
 from collections.abc import Collection, Iterator
 from functools import cache
+from itertools import pairwise
 
 from ictamp_drake.core.protocols import Guide
 from ictamp_drake.core.types import Atom, Obstruction, State
-from ictamp_drake.symbolic.atoms import MOVED, held_box, objects_beneath, supporters
+from ictamp_drake.symbolic.atoms import CLEAR, IN_HAND, LYING, MOVED, ON, held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Alternative, Goal
 from ictamp_drake.symbolic.masks import Masks
 
 
@@ -19,9 +21,8 @@ class BreadthFirstDistance:
     layers 0 to n - 1 are expanded, every path to the goal that such a plan can take is known: the horizon is n.
     """
 
-    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom]) -> None:
+    def __init__(self, domain: Domain, initial: State, goal: Goal) -> None:
         self._masks = Masks(domain, goal)
-        self._goal = self._masks.encode(goal)
         self._mask_of = cache(self._masks.encode)
         start = self._mask_of(initial)
         self._depth = {start: 0}
@@ -51,7 +52,7 @@ class BreadthFirstDistance:
                 self._shorten(mask, self._remaining[successor] + 1)
 
     def _reach(self, mask: int) -> None:
-        if mask & self._goal == self._goal:
+        if self._masks.reach_goal(mask):
             self._remaining[mask] = 0
         else:
             self._frontier.append(mask)
@@ -69,11 +70,8 @@ class BreadthFirstDistance:
 class MoveCount:
     """A lower bound from the towers alone, times a weight: two actions for each unavoidable move.
 
-    A box must move when it is not where the goal wants it, when it is where the goal wants another box, when it is in
-    the way of an unavoidable action, or when it rests on a box that must move. It must move twice when a box that must
-    move is beneath it both now and in the goal: it has to leave before that box does, and can take its place only
-    afterwards. An action lowers the bound by at most one, so with weight 1 plans come in order of length. A greater
-    weight means fewer nodes and longer plans.
+    A goal with several alternatives is as near as the nearest one. An action lowers the bound by at most one, so with
+    weight 1 plans come in order of length. A greater weight means fewer nodes and longer plans.
     """
 
     horizon = math.inf
@@ -81,43 +79,73 @@ class MoveCount:
     def __init__(
         self,
         domain: Domain,
-        goal: frozenset[Atom],
+        goal: Goal,
         weight: float,
         obstructions: Collection[Obstruction] = frozenset(),
     ) -> None:
         self._weight = weight
-        self._goal = goal
-        self._obstructions = obstructions
+        self._moves = [_Moves(domain, alternative, obstructions) for alternative in goal.alternatives]
         self._known: dict[State, float] = {}
-        self._target = {atom.args[0]: atom.args[1] for atom in goal}
-        self._occupant = {below: box for box, below in self._target.items() if below in domain.boxes}
-        self._beneath_in_goal = {box: frozenset(objects_beneath(box, self._target)) for box in self._target}
 
     def estimate_distance(self, state: State) -> float:
         if state not in self._known:
-            self._known[state] = self._weight * self._unavoidable_actions(state)
+            supporter = supporters(state)
+            self._known[state] = self._weight * min(
+                [moves.count_actions(state, supporter) for moves in self._moves], default=math.inf
+            )
         return self._known[state]
 
     def grow(self) -> None:
         raise RuntimeError("nothing can be added to a bound with an infinite horizon")
 
-    def _unavoidable_actions(self, state: State) -> int:
-        if self._goal <= state:
+
+def boxes_to_move(domain: Domain, goal: Goal, state: State) -> frozenset[str]:
+    """Return the boxes that every plan from the state to the goal moves from what they rest on."""
+    supporter = supporters(state)
+    needed = (_Moves(domain, each, frozenset()).list_to_move(state, supporter) for each in goal.alternatives)
+    return frozenset[str]().union(next(needed, set())).intersection(*needed)
+
+
+class _Moves:
+    """Unavoidable moves to one alternative of a goal.
+
+    A box must move when it is not where the goal wants it, when it is where the goal does not want it or wants another
+    box or none, when the goal wants it in the hand, when it is in the way of an unavoidable action, or when it rests on
+    a box that must move. It must move twice when a box that must move is beneath it both now and in the goal: it has to
+    leave before that box does, and can take its place only afterwards. The last move may end in the hand, unless the
+    goal is only about what boxes rest on.
+    """
+
+    def __init__(self, domain: Domain, goal: Alternative, obstructions: Collection[Obstruction]) -> None:
+        self._goal = goal
+        self._obstructions = obstructions
+        self._allowed = goal.places
+        self._target = goal.targets
+        single = {*domain.boxes, *domain.poses}
+        self._occupant = {below: box for box, below in self._target.items() if below in single}
+        self._beneath_in_goal = {box: frozenset(objects_beneath(box, self._target)) for box in self._target}
+        self._lifted = frozenset(atom.args[0] for atom in goal.atoms if atom.predicate == IN_HAND)
+        self._clear = frozenset(atom.args[0] for atom in goal.atoms if atom.predicate == CLEAR)
+        self._may_end_in_hand = bool(goal.absent) or any(atom.predicate not in (ON, LYING) for atom in goal.atoms)
+
+    def count_actions(self, state: State, supporter: dict[str, str]) -> int:
+        """Return a lower bound on the number of actions from the state, given what each box rests on."""
+        if self._goal.holds(state):
             return 0
-        supporter = supporters(state)
         to_move = self.list_to_move(state, supporter)
         actions = 2 * len(to_move)
         actions += sum(2 for box in to_move if self._must_move_twice(box, supporter, to_move))
         held = held_box(state)
         if held is not None:
             actions += 1 if self._can_be_placed(held, supporter, to_move) else 3
-        return actions
+        return max(actions - self._may_end_in_hand, 1)
 
     def list_to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
-        """Return the boxes that every plan moves from what they rest on, given by name."""
+        """Return the boxes that every plan to the alternative moves from what they rest on, given by name."""
+        unwanted = {atom.args for atom in self._goal.absent & state}
         in_the_way, before = set[str](), None
         while in_the_way != before:
-            to_move = {box for box in supporter if self._must_move(box, supporter, in_the_way)}
+            to_move = {box for box in supporter if self._must_move(box, supporter, in_the_way, unwanted)}
             in_the_way, before = set(self._list_in_the_way(state, supporter, to_move)), in_the_way
         return to_move
 
@@ -129,12 +157,21 @@ class MoveCount:
             if needed and Atom(MOVED, (obstacle,)) not in state:
                 yield obstacle
 
-    def _must_move(self, box: str, supporter: dict[str, str], in_the_way: set[str]) -> bool:
+    def _must_move(
+        self, box: str, supporter: dict[str, str], in_the_way: set[str], unwanted: Collection[tuple[str, ...]]
+    ) -> bool:
         tower = (box, *objects_beneath(box, supporter))
-        return not in_the_way.isdisjoint(tower) or any(map(self._is_misplaced, tower, tower[1:]))
+        return not in_the_way.isdisjoint(tower) or any(
+            self._is_misplaced(each, below) or (each, below) in unwanted for each, below in pairwise(tower)
+        )
 
     def _is_misplaced(self, box: str, below: str) -> bool:
-        return self._target.get(box, below) != below or self._occupant.get(below, box) != box
+        return (
+            below not in self._allowed.get(box, (below,))
+            or self._occupant.get(below, box) != box
+            or box in self._lifted
+            or below in self._clear
+        )
 
     def _must_move_twice(self, box: str, supporter: dict[str, str], to_move: set[str]) -> bool:
         in_goal = self._beneath_in_goal.get(box, frozenset())

@@ -5,15 +5,21 @@ from collections.abc import Iterator
 from ictamp_drake.core.types import Atom, State
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.formulas import leaves
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.grounding import GroundAction
 
 
 class Masks:
     """States as integers, with one bit for each atom that an action or the goal mentions. All others never change."""
 
-    def __init__(self, domain: Domain, goal: frozenset[Atom]) -> None:
+    def __init__(self, domain: Domain, goal: Goal) -> None:
         self._actions = domain.actions
-        self._bits = {atom: 1 << number for number, atom in enumerate(sorted(goal.union(*map(_atoms, self._actions))))}
+        atoms = sorted(goal.mentioned.union(*map(_atoms, self._actions)))
+        self._bits = {atom: 1 << number for number, atom in enumerate(atoms)}
+        self._goal = [
+            (self.encode(each.atoms | each.absent), self.encode(each.atoms), list(map(self.encode, each.either)))
+            for each in goal.alternatives
+        ]
         self._masks = [
             (self.encode(each.preconditions), self.encode(each.add), ~self.encode(each.delete))
             for each in self._actions
@@ -25,6 +31,13 @@ class Masks:
     def encode(self, state: State) -> int:
         """Encode a state, or any other set of atoms, as an integer."""
         return sum([self._bits.get(atom, 0) for atom in state])
+
+    def reach_goal(self, mask: int) -> bool:
+        """Whether the goal holds in the state."""
+        for decisive, wanted, either in self._goal:
+            if mask & decisive == wanted and all(mask & atoms for atoms in either):
+                return True
+        return False
 
     def successors(self, mask: int) -> Iterator[int]:
         """Yield the states that the applicable actions promise, in the order of the actions."""

@@ -49,7 +49,7 @@ _FORMS = {
 }
 """Correct forms of the words that are not predicates."""
 
-_Scope = Mapping[str, str]
+Scope = Mapping[str, str]
 """Types of the variables that may be used, by name."""
 
 
@@ -70,19 +70,112 @@ def read_domain(text: str, where: str) -> PddlDomain:
         IctampError: The text is malformed. The message names the line, the expression and what was expected.
     """
     try:
-        return _Reader().domain(read(text.lower()))
+        return _DomainReader().domain(read(text.lower()))
     except IctampError as error:
         error.add_file(where)
         raise
 
 
-class _Reader:
+class FormulaReader:
+    """Reads formulas about declared objects.
+
+    Attributes:
+        types: Parent of each type by name.
+        constants: Types of the objects by name.
+        predicates: Types of the arguments of each predicate by name.
+    """
+
+    def __init__(
+        self, types: Mapping[str, str], constants: Mapping[str, str], predicates: Mapping[str, tuple[str, ...]]
+    ) -> None:
+        self.types = dict(types)
+        self.constants = dict(constants)
+        self.predicates = dict(predicates)
+
+    def formula(self, expression: Expression, scope: Scope, around: Group) -> Formula:
+        """Read a formula.
+
+        Args:
+            expression: Formula as it is written.
+            scope: Types of the variables that may be used, by name.
+            around: Group that the expression is part of, or the expression itself.
+
+        Raises:
+            IctampError: It is not a formula about the declared objects.
+        """
+
+        def read_all(parts: Sequence[Expression]) -> tuple[Formula, ...]:
+            return tuple(self.formula(part, scope, group) for part in parts)
+
+        group = _group(expression, "a formula", around)
+        match group.items or ("and",):
+            case ("and" | "or" as connective, *parts):
+                return (And if connective == "and" else Or)(read_all(parts))
+            case ("not", part):
+                return negation(*read_all([part]))
+            case ("imply", condition, consequence):
+                return Or((negation(*read_all([condition])), *read_all([consequence])))
+            case ("forall" | "exists" as quantifier, Group() as declared, part):
+                variables, wider = self._read_quantified(declared, scope)
+                body = self.formula(part, wider, group)
+                return Exists(variables, body) if quantifier == "exists" else Not(Exists(variables, negation(body)))
+            case ("=", str(left), str(right)):
+                for term in (left, right):
+                    self._type_of(term, scope, group)
+                return Equal((left, right))
+        return self.atom(group, scope)
+
+    def atom(self, group: Group, scope: Scope) -> Atom:
+        """Read an atom, with the same arguments and errors as `formula`."""
+        match group.items:
+            case (str(predicate), *terms) if predicate in self.predicates:
+                types = self.predicates[predicate]
+            case (str(word), *_) if word in _FORMS:
+                _refuse(group, _FORMS[word])
+            case _:
+                _refuse(group, f"one of the predicates {_join_names(self.predicates)}")
+        if len(terms) != len(types):
+            _refuse(group, f"({' '.join((predicate, *map(str.upper, types)))})")
+        for term, wanted in zip(terms, types, strict=True):
+            kind = self._type_of(term, scope, group)
+            if wanted not in lineage(kind, self.types):
+                _refuse(group, f"a {wanted} in the place of {term}, which is a {kind}")
+        return Atom(predicate, tuple(map(str, terms)))
+
+    def _read_quantified(self, declared: Group, scope: Scope) -> tuple[tuple[Variable, ...], Scope]:
+        variables = self._read_typed_list(declared, 0, variables=True)
+        for name in variables:
+            if name in scope:
+                _refuse(declared, f"another name than {name}, which is in use already")
+        return tuple(Variable(*variable) for variable in variables.items()), {**scope, **variables}
+
+    def _type_of(self, term: Expression, scope: Scope, around: Group) -> str:
+        kind = scope.get(term, self.constants.get(term)) if isinstance(term, str) else None
+        if kind is None:
+            _refuse(
+                term,
+                f"one of {_join_names((*scope, *self.constants)) or 'the parameters, of which there are none'}",
+                around,
+            )
+        return kind
+
+    def _read_typed_list(self, group: Group, start: int, variables: bool = False) -> dict[str, str]:
+        """Return the names of a typed list with their types. Variables, and nothing else, begin with ?."""
+        found: dict[str, str] = {}
+        for name, kind in _read_declarations(group, start):
+            if kind != OBJECT and kind not in self.types:
+                _refuse(kind, f"one of the types {_join_names((OBJECT, *self.types))}", group)
+            if name in found or name.startswith("?") != variables:
+                _refuse(name, f"a name {'with' if variables else 'without'} ? in front that is not there yet", group)
+            found[name] = kind
+        return found
+
+
+class _DomainReader(FormulaReader):
     """Reads one domain and keeps track of the declarations so far."""
 
     def __init__(self) -> None:
-        self._types: dict[str, str] = {}
-        self._constants: dict[str, str] = {}
-        self._predicates: dict[str, tuple[str, ...]] = {}
+        super().__init__({}, {}, {})
 
     def domain(self, root: Group) -> PddlDomain:
         match root.items:
@@ -102,7 +195,7 @@ class _Reader:
         for section in by_key[":types"]:
             self._declare_types(section)
         for section in by_key[":constants"]:
-            self._constants |= self._read_typed_list(section, 1)
+            self.constants |= self._read_typed_list(section, 1)
         for section in by_key[":predicates"]:
             for declaration in section.items[1:]:
                 self._declare_predicate(declaration, section)
@@ -112,11 +205,11 @@ class _Reader:
             if operator.name in operators:
                 _refuse(section, f"another name than {operator.name}, which an action has already")
             operators[operator.name] = operator
-        return PddlDomain(self._types, self._constants, self._predicates, tuple(operators.values()))
+        return PddlDomain(self.types, self.constants, self.predicates, tuple(operators.values()))
 
     def _declare_types(self, section: Group) -> None:
         parents = dict(_read_declarations(section, 1))
-        known = {OBJECT, *self._types}
+        known = {OBJECT, *self.types}
         parents |= {parent: OBJECT for parent in parents.values() if parent not in known.union(parents)}
         for name in parents:
             kind, walked = name, set[str]()
@@ -126,12 +219,12 @@ class _Reader:
                 walked.add(kind)
                 kind = parents[kind]
             known |= walked
-        self._types |= {name: parent for name, parent in parents.items() if name != OBJECT}
+        self.types |= {name: parent for name, parent in parents.items() if name != OBJECT}
 
     def _declare_predicate(self, declaration: Expression, section: Group) -> None:
         match declaration:
-            case Group((str(name), *_)) if name not in {*_FORMS, *self._predicates}:
-                self._predicates[name] = tuple(self._read_typed_list(declaration, 1, variables=True).values())
+            case Group((str(name), *_)) if name not in {*_FORMS, *self.predicates}:
+                self.predicates[name] = tuple(self._read_typed_list(declaration, 1, variables=True).values())
             case _:
                 _refuse(declaration, "(PREDICATE ?VARIABLE - TYPE ...) with a name of its own", section)
 
@@ -147,34 +240,12 @@ class _Reader:
         return Operator(
             name,
             tuple(Variable(*variable) for variable in scope.items()),
-            TRUE if precondition is None else self._formula(precondition, scope, section),
+            TRUE if precondition is None else self.formula(precondition, scope, section),
             () if effect is None else tuple(self._effects(effect, scope, (), TRUE, section)),
         )
 
-    def _formula(self, expression: Expression, scope: _Scope, around: Group) -> Formula:
-        def read_all(parts: Sequence[Expression]) -> tuple[Formula, ...]:
-            return tuple(self._formula(part, scope, group) for part in parts)
-
-        group = _group(expression, "a formula", around)
-        match group.items or ("and",):
-            case ("and" | "or" as connective, *parts):
-                return (And if connective == "and" else Or)(read_all(parts))
-            case ("not", part):
-                return negation(*read_all([part]))
-            case ("imply", condition, consequence):
-                return Or((negation(*read_all([condition])), *read_all([consequence])))
-            case ("forall" | "exists" as quantifier, Group() as declared, part):
-                variables, wider = self._read_quantified(declared, scope)
-                body = self._formula(part, wider, group)
-                return Exists(variables, body) if quantifier == "exists" else Not(Exists(variables, negation(body)))
-            case ("=", str(left), str(right)):
-                for term in (left, right):
-                    self._type_of(term, scope, group)
-                return Equal((left, right))
-        return self._atom(group, scope)
-
     def _effects(
-        self, expression: Expression, scope: _Scope, variables: tuple[Variable, ...], condition: Formula, around: Group
+        self, expression: Expression, scope: Scope, variables: tuple[Variable, ...], condition: Formula, around: Group
     ) -> Iterator[Effect]:
         group = _group(expression, "an effect", around)
         match group.items:
@@ -184,60 +255,16 @@ class _Reader:
                 for part in parts:
                     yield from self._effects(part, scope, variables, condition, group)
             case ("when", when, effect):
-                more = self._formula(when, scope, group)
+                more = self.formula(when, scope, group)
                 both = more if condition is TRUE else And((condition, more))
                 yield from self._effects(effect, scope, variables, both, group)
             case ("forall", Group() as declared, effect):
                 quantified, wider = self._read_quantified(declared, scope)
                 yield from self._effects(effect, wider, (*variables, *quantified), condition, group)
             case ("not", Group() as atom):
-                yield Effect(variables, condition, self._atom(atom, scope), adds=False)
+                yield Effect(variables, condition, self.atom(atom, scope), adds=False)
             case _:
-                yield Effect(variables, condition, self._atom(group, scope), adds=True)
-
-    def _read_quantified(self, declared: Group, scope: _Scope) -> tuple[tuple[Variable, ...], _Scope]:
-        variables = self._read_typed_list(declared, 0, variables=True)
-        for name in variables:
-            if name in scope:
-                _refuse(declared, f"another name than {name}, which is in use already")
-        return tuple(Variable(*variable) for variable in variables.items()), {**scope, **variables}
-
-    def _atom(self, group: Group, scope: _Scope) -> Atom:
-        match group.items:
-            case (str(predicate), *terms) if predicate in self._predicates:
-                types = self._predicates[predicate]
-            case (str(word), *_) if word in _FORMS:
-                _refuse(group, _FORMS[word])
-            case _:
-                _refuse(group, f"one of the predicates {_join_names(self._predicates)}")
-        if len(terms) != len(types):
-            _refuse(group, f"({' '.join((predicate, *map(str.upper, types)))})")
-        for term, wanted in zip(terms, types, strict=True):
-            kind = self._type_of(term, scope, group)
-            if wanted not in lineage(kind, self._types):
-                _refuse(group, f"a {wanted} in the place of {term}, which is a {kind}")
-        return Atom(predicate, tuple(map(str, terms)))
-
-    def _type_of(self, term: Expression, scope: _Scope, around: Group) -> str:
-        kind = scope.get(term, self._constants.get(term)) if isinstance(term, str) else None
-        if kind is None:
-            _refuse(
-                term,
-                f"one of {_join_names((*scope, *self._constants)) or 'the parameters, of which there are none'}",
-                around,
-            )
-        return kind
-
-    def _read_typed_list(self, group: Group, start: int, variables: bool = False) -> dict[str, str]:
-        """Return the names of a typed list with their types. Variables, and nothing else, begin with ?."""
-        found: dict[str, str] = {}
-        for name, kind in _read_declarations(group, start):
-            if kind != OBJECT and kind not in self._types:
-                _refuse(kind, f"one of the types {_join_names((OBJECT, *self._types))}", group)
-            if name in found or name.startswith("?") != variables:
-                _refuse(name, f"a name {'with' if variables else 'without'} ? in front that is not there yet", group)
-            found[name] = kind
-        return found
+                yield Effect(variables, condition, self.atom(group, scope), adds=True)
 
 
 def _read_declarations(group: Group, start: int) -> Iterator[tuple[str, str]]:

@@ -12,10 +12,11 @@ from typing import NamedTuple, Optional
 
 from ictamp_drake.core.checks import check_fields
 from ictamp_drake.core.protocols import Guide, PlanGenerator
-from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
+from ictamp_drake.core.types import Action, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import MOVED, objects_beneath, supporters
 from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount, Patience
 
 
@@ -96,7 +97,7 @@ class PlanStream:
     a guide with a finite horizon cannot order yet wait just beyond its horizon.
     """
 
-    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
+    def __init__(self, domain: Domain, initial: State, goal: Goal, guide: Guide) -> None:
         self._domain = domain
         self._goal = goal
         self._guide = guide
@@ -123,7 +124,7 @@ class PlanStream:
                 self._guide.grow()
                 continue
             path = heappop(self._queue).path
-            if self._goal <= path.state:
+            if self._goal.holds(path.state):
                 return _skeleton(path)
             self._expand(path)
         return None
@@ -161,7 +162,7 @@ class Detours:
     decide that. No plan is returned twice.
     """
 
-    def __init__(self, domain: Domain, initial: State, goal: frozenset[Atom], guide: Guide) -> None:
+    def __init__(self, domain: Domain, initial: State, goal: Goal, guide: Guide) -> None:
         self._domain = domain
         self._initial = initial
         self._goal = goal

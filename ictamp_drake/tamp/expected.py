@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Configuration, State
-from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.tamp.replay import Replay
+from ictamp_drake.tamp.symbols import domain_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
 
@@ -53,7 +53,7 @@ def expected_states(world: World, c: Configuration, actions: Sequence[Action]) -
         IctampError: An action is not applicable after those before it.
     """
     states = [SceneAbstraction(world)(c)]
-    domain = Domain.create(sorted(world.spec.boxes), sorted(world.spec.supports), states[0])
+    domain = domain_of(world.spec, states[0])
     for number, action in enumerate(actions):
         try:
             states.append(domain.successor(states[-1], action))

@@ -1,49 +1,63 @@
 """Actions that every plan of a task needs and that cannot be done, found by a sweep before the search."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 
 import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Atom
+from ictamp_drake.core.types import Action
 from ictamp_drake.planning.result import ActionReport
 from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
 from ictamp_drake.skills.grid import Face
 from ictamp_drake.skills.sweep import Sweep
 from ictamp_drake.symbolic.atoms import held_box, objects_beneath, supporters
-from ictamp_drake.symbolic.guides import MoveCount
+from ictamp_drake.symbolic.goal import Alternative, Goal
+from ictamp_drake.symbolic.guides import boxes_to_move
 from ictamp_drake.tamp.task import Task
 
 
-def find_impossible(task: Task, goal: frozenset[Atom], skills: SkillsConfig) -> tuple[ActionReport, ...]:
+def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...]:
     """Return reports of the actions that every plan needs and for which no parameter on the grid is free.
 
-    Only the package's own skills are swept.
+    If the goal has alternatives, one of these actions must be impossible in each of them. Only the package's own skills
+    are swept.
 
     Args:
         task: Task to solve.
-        goal: Atoms that must all hold at the end.
         skills: Constants of the skills.
     """
-    if type(skills.pick) is not PickConfig or type(skills.place) is not PlaceConfig or goal <= task.s:
+    if type(skills.pick) is not PickConfig or type(skills.place) is not PlaceConfig or task.goal.holds(task.s):
         return ()
     sweep = Sweep(task.world, skills.motion, skills.pick, skills.place)
-    return tuple(_Needs(task, goal, sweep).impossible())
+    refuse_grasps = cache(lambda box: sweep.refuse_grasps(task.c, box))
+    reports: dict[Action, ActionReport] = {}
+    for alternative in task.goal.alternatives:
+        found = list(_Needs(task, alternative, sweep, refuse_grasps).impossible())
+        if not found:
+            return ()
+        reports.update({report.action: report for report in found})
+    return tuple(reports.values())
 
 
 class _Needs:
-    """Picks from initial poses and placements of the goal that every plan needs."""
+    """Picks from initial poses and placements of the goal that every plan to an alternative needs."""
 
-    def __init__(self, task: Task, goal: frozenset[Atom], sweep: Sweep) -> None:
+    def __init__(
+        self,
+        task: Task,
+        goal: Alternative,
+        sweep: Sweep,
+        refuse_grasps: Callable[[str], Counter[str] | None],
+    ) -> None:
         self._task = task
         self._sweep = sweep
-        self._refuse_grasps = cache(lambda box: sweep.refuse_grasps(task.c, box))
-        self._target = supporters(goal)
+        self._refuse_grasps = refuse_grasps
+        self._target = goal.targets
         self._supporter = supporters(task.s)
-        self._to_move = MoveCount(task.domain, goal, 1.0).list_to_move(task.s, self._supporter)
+        self._to_move = boxes_to_move(task.domain, Goal((goal,)), task.s)
 
     def impossible(self) -> Iterator[ActionReport]:
         """Yield a report of each needed action that is impossible."""
@@ -66,7 +80,7 @@ class _Needs:
         if fixed is not None:
             lower = lower[: lower.index(fixed)]
             bases = [fixed]
-        elif beneath[-1] in world.spec.supports:
+        elif beneath[-1] in world.spec.places:
             bases = beneath[-1:]
         else:
             spare = world.sizes.keys() - {box, *lower}

@@ -11,11 +11,11 @@ from pydrake.trajectories import Trajectory
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Attempt, Configuration
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.symbolic.goals import parse_goal
 from ictamp_drake.tamp.plan_file import plan_content, predicates_of, write_content
 from ictamp_drake.tamp.plan_origin import Origin
 from ictamp_drake.tamp.plan_reading import read_parts
 from ictamp_drake.tamp.replay import Replay, duration, replay
+from ictamp_drake.tamp.symbols import goal_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.commands import arm_trajectory
 from ictamp_drake.world.config import PhysicsConfig
@@ -86,7 +86,7 @@ class Plan:
         return replay(
             (physics or PhysicsConfig()).create(world),
             abstraction=SceneAbstraction(world, predicates_of(self.origin)),
-            goal=parse_goal(self.spec.goal, sorted(self.spec.boxes), sorted(self.spec.supports)),
+            goal=goal_of(self.spec),
             c=self.c,
             attempts=self.attempts,
         )

@@ -14,6 +14,7 @@ from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, MAX_GRIP_FO
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.tamp.symbols import kinds_of
 
 MAX_DURATION = 600.0
 """Longest duration of a segment [s]."""
@@ -187,7 +188,8 @@ def check_states(spec: SceneSpec, initial: State, actions: Sequence[Action], fou
     """
     used = {argument for action in actions for argument in action.args}
     with within("initial.poses"):
-        domain = Domain.create(sorted(used & spec.boxes.keys()), sorted(used & spec.supports.keys()), initial)
+        boxes, places = (sorted(used & names.keys()) for names in (spec.boxes, spec.places))
+        domain = Domain.create(boxes, places, initial, kinds_of(spec))
     state = initial
     for number, (action, after) in enumerate(zip(actions, found, strict=True)):
         try:
@@ -207,7 +209,7 @@ def check_action(action: Action, spec: SceneSpec) -> None:
     check_count("action", action.args, 2, 2)
     box, place = action.args
     check_choice("action", box, spec.boxes)
-    check_choice("action", place, [name for name in (*spec.supports, *spec.boxes) if name != box])
+    check_choice("action", place, [name for name in (*spec.places, *spec.boxes) if name != box])
 
 
 def check_derived(given: object, derived: object, field: str, *, complete: bool) -> None:

@@ -14,7 +14,6 @@ from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.scenes.spec import SceneSpec
-from ictamp_drake.symbolic.goals import parse_goal
 from ictamp_drake.tamp.plan_checks import (
     check_action,
     check_configuration,
@@ -27,6 +26,7 @@ from ictamp_drake.tamp.plan_checks import (
 )
 from ictamp_drake.tamp.plan_file import FORMAT, plan_content, predicates_of
 from ictamp_drake.tamp.plan_origin import Origin
+from ictamp_drake.tamp.symbols import goal_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.start import check_overlaps
 from ictamp_drake.world.world import World
@@ -70,7 +70,7 @@ def _check_parts(found: "_File") -> Parts:
     """Return the parts of the plan, each of which is sound by itself."""
     spec = found.scene
     with within("scene"):
-        parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
+        goal_of(spec)
     with within("initial"):
         c = found.initial.configuration()
         check_start(c, spec)

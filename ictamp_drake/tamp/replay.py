@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 from time import process_time
 
-from ictamp_drake.core.types import Atom, Attempt, Configuration
+from ictamp_drake.core.types import Attempt, Configuration
 from ictamp_drake.planning.tree import ROOT, Step, Tree
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.outcome import Frame, Outcome
 from ictamp_drake.world.simulate import Physics
@@ -54,7 +55,7 @@ def replay(
     physics: Physics,
     *,
     abstraction: SceneAbstraction,
-    goal: frozenset[Atom],
+    goal: Goal,
     c: Configuration,
     attempts: Sequence[Attempt[Configuration]],
 ) -> Replay:
@@ -71,7 +72,7 @@ def replay(
     seconds = process_time() - start
     end = outcomes[-1].c if outcomes else c
     at_rest = all(outcome.settled for outcome in outcomes[-1:])
-    holds = len(outcomes) == len(attempts) and at_rest and goal <= abstraction(end)
+    holds = len(outcomes) == len(attempts) and at_rest and goal.holds(abstraction(end))
     return Replay(tuple(outcomes), holds and all(outcome.settled for outcome in outcomes), seconds, holds)
 
 

@@ -117,12 +117,12 @@ def solve(
     skills = method.skills.create(task.world, task.abstraction, task.physics, method.sampler_config)
     whole = method.execution == "whole-plan"
     estimator = method.estimator_config.create(EstimatorContext(task.world, skills))
-    impossible = find_impossible(task, task.goal, method.skills) if method.sweep else ()
+    impossible = find_impossible(task, method.skills) if method.sweep else ()
     budget = method.budget(
         elapsed=task.setup_time_s + perf_counter() - started,
         cpu_elapsed=task.setup_cpu_time_s + process_time() - cpu_started,
     )
-    if task.goal <= task.s:  # the empty plan is found at once, however short the limits are
+    if task.goal.holds(task.s):  # the empty plan is found at once, however short the limits are
         budget = Budget()
     planner = PlannerConfig(budget, method.max_expansions, method.rule_config, method.improve).create(
         c=task.c,

@@ -1,19 +1,21 @@
 """Turn a scene into a task, which holds everything that planning needs."""
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
 from ictamp_drake.core.reading import in_file
-from ictamp_drake.core.types import Atom, Configuration, State
+from ictamp_drake.core.types import Configuration, State
 from ictamp_drake.models.grip import check_weight
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.symbolic.domain import Domain
-from ictamp_drake.symbolic.goals import check_goal, parse_goal
+from ictamp_drake.symbolic.goal import Goal
+from ictamp_drake.symbolic.goals import check_goal
+from ictamp_drake.symbolic.guides import boxes_to_move
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
+from ictamp_drake.tamp.symbols import domain_of, goal_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.observed import Start, observed_scene
 from ictamp_drake.world.simulate import Physics
@@ -32,7 +34,7 @@ class Task:
         abstraction: Abstraction H.
         c: Initial configuration c_0, in which everything is at rest.
         s: Initial symbolic state H(c_0).
-        goal: Atoms that must hold at the end.
+        goal: Goal that must hold at the end.
         domain: Ground actions of the scene.
         setup_time_s: Time for building the task [s]; it counts as planning time.
         setup_cpu_time_s: Processor time for building the task [s].
@@ -44,7 +46,7 @@ class Task:
     abstraction: SceneAbstraction
     c: Configuration
     s: State
-    goal: frozenset[Atom]
+    goal: Goal
     domain: Domain
     setup_time_s: float
     setup_cpu_time_s: float
@@ -79,15 +81,14 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
     """
     started, cpu_started = perf_counter(), process_time()
     with in_file(where):
-        goal = parse_goal(spec.goal, sorted(spec.boxes), sorted(spec.supports))
+        goal = goal_of(spec)
         world = World(spec)
         physics = method.physics.create(world)
         abstraction = SceneAbstraction(world, method.predicates)
         c, s = start_configuration(world, abstraction, physics)
-        check_goal(goal, s)
-        check_weights(spec, {atom.args[0] for atom in goal - s}, method)
-        roomiest_first = sorted(spec.supports, key=lambda name: -math.prod(spec.supports[name].size[:2]))
-        domain = Domain.create(sorted(spec.boxes), roomiest_first, s)
+        goal = check_goal(goal, s)
+        domain = domain_of(spec, s)
+        check_weights(spec, boxes_to_move(domain, goal, s), method)
     seconds, cpu_seconds = perf_counter() - started, process_time() - cpu_started
     return Task(spec, world, physics, abstraction, c, s, goal, domain, seconds, cpu_seconds)
 

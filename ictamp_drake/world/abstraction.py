@@ -12,7 +12,7 @@ from ictamp_drake.world.world import World
 class SceneAbstraction:
     """H of one scene.
 
-    - on(a, b): b carries a, and a is upright.
+    - on(a, b): b carries a, and a is upright. b is a box, a support, or a region or pose on a support.
     - lying(a, b): b carries a, and a is tipped over, onto a side that makes it higher or lower.
     - in-hand(a): both fingers touch a, neither cuts into it, and nothing carries a.
     - clear(a): nothing touches a from above, and a is not in the hand.
@@ -25,7 +25,8 @@ class SceneAbstraction:
         self._world = world
         self.config = config or PredicateConfig()
         self._boxes = sorted(world.spec.boxes)
-        self._receptacles = sorted([*world.spec.boxes, *world.spec.supports])
+        self._bodies = sorted([*world.spec.boxes, *world.spec.supports])
+        self._receptacles = sorted([*world.spec.boxes, *world.spec.places])
 
     def __call__(self, c: Configuration) -> State:
         """Return all atoms that hold in c."""
@@ -48,5 +49,5 @@ class SceneAbstraction:
         yield from (Atom(predicate, (a, b)) for b in self._receptacles if b != a and scene.is_carried(a, b))
 
     def _is_in_hand(self, scene: Scene, a: str) -> bool:
-        resting = any(scene.is_above(a, b) for b in self._receptacles if b != a)
+        resting = any(scene.is_above(a, b) for b in self._bodies if b != a)
         return scene.is_gripped(a) and not resting

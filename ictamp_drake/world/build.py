@@ -34,6 +34,11 @@ SKIN = 5e-5
 """Amount by which boxes shrink on every side in queries [m]. Faces that touch within 1e-7 m make the narrow phase fail
 or return random directions, and resting boxes should count as separate."""
 
+AREA_HEIGHT = 0.001
+"""Thickness of the rectangles that show regions and poses [m]; half of it is above the support."""
+AREA_COLOR = (0.95, 0.75, 0.25)
+"""Color of these rectangles."""
+
 FINEST_RIM = 0.0075
 """Smallest distance between two contact points along the rim of a support [m]."""
 Shapes = Literal["contact", "solid", "visible"]
@@ -92,6 +97,11 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact"
     for name, support in sorted(spec.supports.items()):
         supports[name] = _add_body(plant, parser, SUPPORT_SDF[support.kind](name, support.size), shapes)
         plant.WeldFrames(plant.world_frame(), supports[name].body_frame(), to_transform(support.X_WT))
+    if shapes == "visible":
+        for name, area in spec.areas.items():
+            for number, size in enumerate(area.marks):
+                shape, label, color = Box(*size, AREA_HEIGHT), f"{name}_{number}", [*AREA_COLOR, 1.0]
+                plant.RegisterVisualGeometry(supports[area.on], to_transform(area.X_TR), shape, label, color)
     boxes = {}
     for name, box in sorted(spec.boxes.items()):
         boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), shapes)

@@ -30,10 +30,18 @@ class Scene:
         return touch is not None and self._angle(touch.normal[2]) <= self.config.slope
 
     def is_carried(self, a: str, b: str) -> bool:
-        """Whether b carries a: contact from above, the center of mass of a inside b's top face, and a level."""
+        """Whether b carries a: contact from above, the center of mass of a inside b's top face, and a level.
+
+        A box in a region or at a pose is carried by that, and not by the support.
+        """
         if (a, b) not in self._carried:
-            self._carried[a, b] = self.is_above(a, b) and self.is_level(a) and self._is_over_top(a, b)
+            support = self.world.support_of(b)
+            resting = self.is_above(a, support) and self.is_level(a) and self._is_over_top(a, support)
+            self._carried[a, b] = resting and self._area(a, b) == b
         return self._carried[a, b]
+
+    def _area(self, a: str, b: str) -> str:
+        return self.world.area_at(b, self.boxes[a].X_WU, self.boxes[a].size)
 
     def _is_over_top(self, a: str, b: str) -> bool:
         p_TA = self.world.X_WT(self.c, b).inverse() @ self.boxes[a].X_WU.translation()

@@ -19,6 +19,8 @@ from ictamp_drake.world.poses import to_transform
 ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts. Names of boxes and supports have no spaces, so they cannot clash."""
 ROBOT = frozenset({ARM, *FINGERS})
+SQUARE = 1e-4
+"""Largest difference of the sides of a square footprint [m]."""
 
 
 class Touch(NamedTuple):
@@ -37,7 +39,7 @@ class Touch(NamedTuple):
 
 
 class _Top(NamedTuple):
-    """Top face of a support, which never moves: X_WT and the side lengths along T's x and y [m]."""
+    """Top face of a support, or a part of it. It never moves: X_WT and the side lengths along T's x and y [m]."""
 
     X_WT: RigidTransform
     size: FloatArray
@@ -62,6 +64,11 @@ class World:
         self._names = self._name_geometries()
         self.sizes = {name: np.array(box.size) for name, box in spec.boxes.items()}
         self._tops = {name: _Top.of_support(support) for name, support in spec.supports.items()}
+        for name, area in spec.areas.items():
+            X_WT = self._tops[area.on].X_WT @ to_transform(area.X_TR)
+            self._tops[name] = _Top(X_WT, np.array(area.size))
+        self._support_of = {name: area.on for name, area in spec.areas.items()}
+        self._areas = {name: [area for area in spec.areas if spec.areas[area].on == name] for name in spec.supports}
 
     def _name_geometries(self) -> dict[object, str]:
         arm = self.plant.GetBodyIndices(self.bodies.arm)
@@ -117,8 +124,38 @@ class World:
         """Return the box as it lies in c."""
         return upright_frame(c.poses[box], self.sizes[box])
 
+    def support_of(self, place: str) -> str:
+        """Return the support that a region or pose is on; any other name is returned unchanged."""
+        return self._support_of.get(place, place)
+
+    def area_at(self, place: str, X_WU: RigidTransform, size: FloatArray, margin: float = 0.0) -> str:
+        """Return the region or pose in which a box on the place is; the place itself when it is in none.
+
+        Args:
+            place: Support, or a region or pose on it; also a box, which has neither.
+            X_WU: Upright frame of the box.
+            size: Side lengths along U's axes [m]; they say which turns make no difference to the box.
+            margin: Amount by which regions and tolerances of position are wider than they are [m].
+        """
+        support = self.support_of(place)
+        for name in self._areas.get(support, ()):
+            if self._is_in_area(name, X_WU, size, margin):
+                return name
+        return support
+
+    def _is_in_area(self, name: str, X_WU: RigidTransform, size: FloatArray, margin: float) -> bool:
+        X_TU = self._tops[name].X_WT.inverse() @ X_WU
+        x, y, _ = X_TU.translation()
+        if name in self.spec.regions:
+            return bool(np.all(np.abs([x, y]) <= self._tops[name].size / 2 + margin))
+        distance, angle = self.spec.poses[name].tolerance
+        turn = np.pi / 2 if np.ptp(size[:2]) < SQUARE else np.pi
+        yaw = np.arctan2(*X_TU.rotation().matrix()[[1, 0], 0])
+        deviation = abs((yaw + turn / 2) % turn - turn / 2)
+        return bool(np.hypot(x, y) <= distance + margin and deviation <= np.deg2rad(angle))
+
     def X_WT(self, c: Configuration, receptacle: str) -> RigidTransform:
-        """Frame in the center of the top face of a support or box in c."""
+        """Frame in the center of the top face of a support or box in c, or of a region or pose."""
         if receptacle in self._tops:
             return self._tops[receptacle].X_WT
         return self.upright_frame(c, receptacle).X_WT

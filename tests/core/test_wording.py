@@ -125,10 +125,25 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "brackets that are open": [("seed: 0", "seed: [0")],
     "a tag that is wrong": [("seed: 0", "seed: !!int abc")],
     "a goal with an unknown object": [("(on red_box rack)", "(on red_box shelf)")],
-    "a goal with an unknown predicate": [("(on red_box rack)", "(clear red_box)")],
+    "a goal with an unknown predicate": [("(on red_box rack)", "(free red_box)")],
     "a goal with one object": [("(on red_box rack)", "(on red_box)")],
     "a goal without brackets": [("(on red_box rack)", "on red_box rack")],
-    "a goal that is no atom": [("(on red_box rack)", "(not (on red_box rack))")],
+    "a goal with a construct that is not served": [("(on red_box rack)", "(preference (on red_box rack))")],
+    "a goal with an effect in it": [("(on red_box rack)", "(when (clear red_box) (on red_box rack))")],
+    "a goal whose alternatives all contradict themselves": [
+        ("(on red_box rack)", "(or (on red_box red_box) (and (clear red_box) (in-hand red_box)))")
+    ],
+    "a goal that is false": [("(on red_box rack)", "(exists (?x - box) (and (not (= ?x red_box)) (on ?x rack)))")],
+    "a region on nothing": [("goal", "regions: {near: {on: shelf, size: [0.1, 0.1]}}\ngoal")],
+    "a region that is too wide": [("goal", "regions: {near: {on: rack, size: [0.1, 0.5]}}\ngoal")],
+    "regions that overlap": [
+        ("goal", "regions: {a: {on: rack, size: [0.1, 0.1]}}\nposes: {b: {on: rack, position: [0, 0.05]}}\ngoal")
+    ],
+    "a pose for two boxes": [
+        ("(on red_box rack)", "(exists (?x - box) (and (at ?x b) (at blue_box b) (not (= ?x blue_box))))"),
+        ("goal", "  cyan_box: {size: [0.05, 0.05, 0.05], position: [0.6, 0.1, 0.025]}\ngoal"),
+        ("goal", f"{BLUE_BOX}\nposes: {{b: {{on: rack, position: [0, 0]}}}}\ngoal"),
+    ],
     "a goal that contradicts itself": [("(on red_box rack)", "(and (on red_box rack) (on red_box table))")],
     "a goal that moves a support": [("(on red_box rack)", "(on rack table)")],
     "a goal that stands a box up": [

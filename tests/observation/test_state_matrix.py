@@ -13,6 +13,7 @@ from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
 from ictamp_drake.scenes.packing import make_problem
+from ictamp_drake.scenes.regions import PoseSpec, RegionSpec
 from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.frames import upright_frame
@@ -253,3 +254,20 @@ def test_the_schema_names_every_column_once_and_is_json() -> None:
     assert len(set(names)) == SCHEMA.width
     assert json.loads(json.dumps(SCHEMA.as_dict()))["version"] == SCHEMA.version
     assert [names[index] for index in range(*SCHEMA.group("box").indices(SCHEMA.width))] == ["box_x", "box_y", "box_z"]
+
+
+def test_a_region_is_seen_as_the_place_of_an_action_only() -> None:
+    """There it reads as a support of its size in its frame, and its own support is left out."""
+    region = RegionSpec("table", (0.2, 0.1), (0.2, 0.1), yaw=30.0)
+    spec = replace(TOWER, regions={"near": region}, poses={"spot": PoseSpec("table", (0.2, -0.2))})
+    c, plain, divided = resting_configuration(TOWER), Observer(TOWER), Observer(spec)
+    for action in (PICK, PLACE):
+        for one, other in zip(plain.observe(c, action), divided.observe(c, action), strict=True):
+            np.testing.assert_array_equal(one, other)
+    seen = divided.observe(c, Action("place", ("cyan_box", "near")))
+    before = plain.observe(c, Action("place", ("cyan_box", "table")))
+    assert seen.mask.sum() == before.mask.sum()
+    assert quantity(seen, 2, "support_x", "support_y") == pytest.approx([0.2, 0.1])
+    assert quantity(seen, 2, "support_z") == quantity(before, 2, "support_z")
+    assert quantity(seen, 2, "target_x", "target_y", "target_r00") == pytest.approx([0.0, 0.0, 1.0])
+    assert quantity(seen, 2, "base_x", "base_y") == pytest.approx([TABLE.position[0] + 0.2, 0.1])

@@ -12,6 +12,7 @@ from ictamp_drake.skills.config import OptimizationConfig, SkillsConfig
 from ictamp_drake.skills.context import SamplerConfig
 from ictamp_drake.skills.runner import Skills
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.tamp.symbols import domain_of
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.simulate import Physics
@@ -40,7 +41,7 @@ class Rig:
     def domain(self) -> Domain:
         """The ground actions of the scene."""
         spec = self.world.spec
-        return Domain.create(sorted(spec.boxes), sorted(spec.supports), self.abstraction(self.start))
+        return domain_of(spec, self.abstraction(self.start))
 
     def promised_state(self, c: Configuration, action: Action) -> State:
         """State that the action promises in c."""

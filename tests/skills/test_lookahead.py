@@ -11,8 +11,9 @@ from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Parameter, Skeleton
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
-from ictamp_drake.skills.config import PlaceConfig, SkillsConfig
+from ictamp_drake.skills.config import PlaceConfig, SkillsConfig, UniformConfig
 from ictamp_drake.skills.lookahead import Lookahead
+from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.symbolic.atoms import IN_HAND, ON
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.solve import solve
@@ -51,7 +52,8 @@ def _fetch(box: str, _: str) -> Action:
 def order(steps: Skeleton, *drawn: Parameter | Failure, spec: SceneSpec = TOWER) -> list[int]:
     """Numbers of the drawn parameters in the order in which they are tried, without the random ones among them."""
     world = World(spec)
-    lookahead = Lookahead(world, ArmKinematics(to_transform(spec.arm.X_WB)), DRAWS, PlaceConfig())
+    random = UniformSampler(world, UniformConfig())
+    lookahead = Lookahead(world, ArmKinematics(to_transform(spec.arm.X_WB)), random, DRAWS, PlaceConfig())
     tried = lookahead.sort(world.initial_configuration(), steps, iter(drawn), np.random.default_rng(0))
     numbers = {id(k): number for number, k in enumerate(drawn)}
     return [numbers[id(k)] for k in tried if id(k) in numbers]

@@ -19,7 +19,7 @@ def test_a_plan_begins_with_the_action_and_goes_on_to_the_goal(problem: Problem,
     assert plan.states[:2] == (problem.initial, promised)
     for before, step, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
         assert problem.domain.successor(before, step) == after
-    assert problem.goal <= plan.states[-1]
+    assert problem.goal.holds(plan.states[-1])
 
 
 @pytest.mark.parametrize("name", LEVELS)

@@ -3,25 +3,37 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ictamp_drake.core.types import Atom, State
+from ictamp_drake.core.errors import IctampError
+from ictamp_drake.core.types import State
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
+from ictamp_drake.symbolic.goals import check_goal, parse_goal
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount
-from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, state, tower_goal
+from tests.symbolic.towers import (
+    LEVELS,
+    Problem,
+    Tower,
+    arrangements,
+    draw_obstructions,
+    formulas,
+    problems,
+    reachable,
+    state,
+    tower_atoms,
+    tower_goal,
+)
 
 
-def distances(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, float]:
+def distances(domain: Domain, initial: State, goal: Goal) -> dict[State, float]:
     """Number of actions from every reachable state to the goal, by sweeping over all states until nothing changes."""
-    successors, frontier = {}, [initial]
-    while frontier:
-        successors.update({s: [after for _, after in domain.successors(s)] for s in frontier})
-        frontier = list({after for s in frontier for after in successors[s]} - successors.keys())
-    distance = {s: 0 if goal <= s else math.inf for s in successors}
+    successors = {s: [after for _, after in domain.successors(s)] for s in reachable(domain, initial)}
+    distance = {s: 0 if goal.holds(s) else math.inf for s in successors}
     while True:
         better = {
-            s: 1 + min((distance[t] for t in successors[s]), default=math.inf) for s in successors if not goal <= s
+            s: 1 + min((distance[t] for t in successors[s]), default=math.inf) for s in successors if not goal.holds(s)
         }
         if all(distance[s] == better[s] for s in better):
             return distance
@@ -33,10 +45,49 @@ def test_the_move_count_never_exceeds_the_distance_and_falls_by_one_at_most(prob
     domain, guide = problem.domain, MoveCount(problem.domain, problem.goal, weight=1)
     for s, distance in distances(domain, problem.initial, problem.goal).items():
         assert guide.estimate_distance(s) <= distance
-        assert guide.estimate_distance(s) > 0 or problem.goal <= s
+        assert guide.estimate_distance(s) > 0 or problem.goal.holds(s)
         assert all(
             guide.estimate_distance(after) >= guide.estimate_distance(s) - 1 for _, after in domain.successors(s)
         )
+
+
+@given(st.data(), problems(boxes=3))
+def test_so_it_is_with_any_formula_as_goal(data: st.DataObject, problem: Problem) -> None:
+    text = data.draw(formulas(problem.boxes, problem.supports, depth=data.draw(st.integers(0, 3))))
+    try:
+        goal = check_goal(parse_goal(text, problem.boxes, problem.supports), problem.initial)
+    except IctampError:
+        assume(False)
+    guide = MoveCount(problem.domain, goal, weight=1)
+    for s, distance in distances(problem.domain, problem.initial, goal).items():
+        assert guide.estimate_distance(s) <= distance
+        assert (guide.estimate_distance(s) == 0) == goal.holds(s)
+        assert all(
+            guide.estimate_distance(after) >= guide.estimate_distance(s) - 1
+            for _, after in problem.domain.successors(s)
+        )
+
+
+@given(st.data())
+def test_so_it_is_with_poses(data: st.DataObject) -> None:
+    boxes, places, kinds = ("a", "b", "c"), ("table", "spot", "mark"), {"spot": "pose", "mark": "pose"}
+    start, end = (data.draw(arrangements(boxes, places).filter(_has_room), label) for label in ("start", "end"))
+    initial = state(start)
+    domain = Domain.create(boxes, places, initial, kinds)
+    atoms = sorted(atom for tower in end for atom in tower_atoms(tower))
+    goal = Goal.of(data.draw(st.sets(st.sampled_from(atoms), min_size=1)))
+    guide = MoveCount(domain, goal, weight=1)
+    for s, distance in distances(domain, initial, goal).items():
+        assert guide.estimate_distance(s) <= distance < math.inf
+        assert all(
+            guide.estimate_distance(after) >= guide.estimate_distance(s) - 1 for _, after in domain.successors(s)
+        )
+
+
+def _has_room(towers: list[Tower]) -> bool:
+    """Whether at most one tower stands at each pose."""
+    feet = [tower[0] for tower in towers if tower[0] != "table"]
+    return len(feet) == len(set(feet))
 
 
 @given(data=st.data(), problem=problems(boxes=3))
@@ -79,11 +130,11 @@ def test_breadth_first_distances_are_exact_up_to_the_horizon(problem: Problem) -
     assert all(guide.estimate_distance(s) == exact[s] for s in depth)
 
 
-def _depths(domain: Domain, initial: State, goal: frozenset[Atom]) -> dict[State, int]:
+def _depths(domain: Domain, initial: State, goal: Goal) -> dict[State, int]:
     """Number of actions from the start to each state that is reachable without passing the goal."""
     depth, frontier = {initial: 0}, [initial]
     for s in frontier:
-        for after in [] if goal <= s else [after for _, after in domain.successors(s)]:
+        for after in [] if goal.holds(s) else [after for _, after in domain.successors(s)]:
             if after not in depth:
                 depth[after] = depth[s] + 1
                 frontier.append(after)

@@ -6,6 +6,7 @@ from hypothesis import given
 from ictamp_drake.core.types import Action, Atom, State
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.formulas import Not, Or
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.grounding import ConditionalEffect, GroundAction
 from ictamp_drake.symbolic.masks import Masks
 from tests.symbolic.towers import LEVELS, Problem, problems
@@ -14,7 +15,7 @@ P, Q, R = (Atom(name, ()) for name in "pqr")
 NOTHING = frozenset[Atom]()
 
 
-def check(domain: Domain, goal: frozenset[Atom], initial: State, limit: int = 200) -> set[State]:
+def check(domain: Domain, goal: Goal, initial: State, limit: int = 200) -> set[State]:
     """Compare the successors of all states, or of the first ones."""
     masks, seen, frontier = Masks(domain, goal), {initial}, [initial]
     while frontier and len(seen) < limit:
@@ -51,10 +52,10 @@ def test_so_it_is_with_conditions_of_every_sort() -> None:
     )
     drop_q = GroundAction(Action("drop", ("q",)), frozenset({Q, R}), NOTHING, frozenset({Q}))
     domain = Domain((), (), (add_q, flip, drop_q))
-    assert len(check(domain, frozenset({Q}), frozenset({P}))) == 4
+    assert len(check(domain, Goal.of({Q}), frozenset({P}))) == 4
 
 
 def test_a_goal_that_no_action_speaks_of_has_bits_too() -> None:
-    masks = Masks(Domain((), (), ()), frozenset({P}))
+    masks = Masks(Domain((), (), ()), Goal.of({P}))
     assert masks.encode(frozenset({P})) != masks.encode(NOTHING)
     assert masks.encode(frozenset({Q})) == masks.encode(NOTHING)

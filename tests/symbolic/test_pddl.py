@@ -163,7 +163,7 @@ def test_the_domain_of_boxes_reads_as_it_does_elsewhere() -> None:
 
 def is_valid(problem: Problem, actions: tuple[Action, ...]) -> bool:
     objects = dict.fromkeys(problem.boxes, "box") | dict.fromkeys(problem.supports, "support")
-    other = theirs.problem(text(), objects, problem.initial, problem.goal)
+    other = theirs.problem(text(), objects, problem.initial, problem.goal.mentioned)
     steps = [
         ActionInstance(other.action(name), tuple(map(other.environment.expression_manager.ObjectExp, given)))
         for name, given in ((name, map(other.object, args)) for name, args in actions)

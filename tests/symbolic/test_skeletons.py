@@ -15,10 +15,11 @@ from ictamp_drake.core.protocols import PlanGenerator
 from ictamp_drake.core.types import Action, Atom, Obstruction, Skeleton, State
 from ictamp_drake.symbolic.atoms import ON, objects_beneath, supporters
 from ictamp_drake.symbolic.context import GeneratorContext
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.skeletons import BestFirst, BreadthFirst
 from tests.refusals import refusal
 from tests.runs.programs import run_code
-from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, state, tower_goal
+from tests.symbolic.towers import LEVELS, Problem, draw_obstructions, problems, state, tower_atoms, tower_goal
 
 Config = BreadthFirst | BestFirst
 CONFIGS = {
@@ -46,7 +47,7 @@ def all_plans(problem: Problem, longest: float) -> Iterator[tuple[Action, ...]]:
     """All plans without a repeated state, by depth-first search."""
 
     def extend(visited: tuple[State, ...], actions: tuple[Action, ...]) -> Iterator[tuple[Action, ...]]:
-        if problem.goal <= visited[-1]:
+        if problem.goal.holds(visited[-1]):
             yield actions
         elif len(actions) < longest:
             for action, after in problem.domain.successors(visited[-1]):
@@ -90,7 +91,7 @@ def test_plans_lead_to_the_goal_and_repeat_no_state(config: Config, problem: Pro
         for before, action, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
             assert problem.domain.successor(before, action) == after
         assert len(set(plan.states)) == len(plan.states)
-        assert [problem.goal <= s for s in plan.states] == [False] * len(plan) + [True]
+        assert [problem.goal.holds(s) for s in plan.states] == [False] * len(plan) + [True]
 
 
 @pytest.mark.parametrize("config", IN_ORDER.values(), ids=IN_ORDER)
@@ -155,7 +156,7 @@ def test_a_call_stops_after_its_expansions() -> None:
 @settings(max_examples=25)
 @given(problem=problems(boxes=8, supports=4))
 def test_best_first_plans_for_eight_boxes_within_a_thousand_expansions(problem: Problem) -> None:
-    assume(not problem.goal <= problem.initial)
+    assume(not problem.goal.holds(problem.initial))
     assert create(BestFirst(), problem).next_plan(1000) is not None
 
 
@@ -163,7 +164,7 @@ SORTING = Problem(
     tuple("abcdefgh"),
     ("east", "north", "south", "west"),
     state([("east", "a", "b"), ("north", "c", "d"), ("south", "e", "f"), ("west", "g", "h")]),
-    tower_goal(("north", "a", "c", "e", "g")) | tower_goal(("south", "h", "f", "d", "b")),
+    Goal.of(tower_atoms(("north", "a", "c", "e", "g")) | tower_atoms(("south", "h", "f", "d", "b"))),
 )
 """Eight boxes on four supports, to sort into two towers."""
 
@@ -190,7 +191,7 @@ def test_plans_around_obstructions_move_them_first(config: Config, data: st.Data
     plan = create(config, problem).next_plan(500, obstructions)
     if plan is not None:
         assert plan.states[0] == problem.initial
-        assert [problem.goal <= s for s in plan.states] == [False] * len(plan) + [True]
+        assert [problem.goal.holds(s) for s in plan.states] == [False] * len(plan) + [True]
         for before, action, after in zip(plan.states, plan.actions, plan.states[1:], strict=False):
             assert problem.domain.successor(before, action) == after
     for action, box in obstructions if plan is not None else ():
@@ -222,7 +223,7 @@ PICK_LOW = Action("pick", ("low", "table"))
 @each_config
 def test_a_box_can_be_moved_on_what_it_stands_on(config: Config) -> None:
     """No other stream has such plans, since they do not change the state."""
-    goal = frozenset({Atom(ON, ("low", "top"))})
+    goal = Goal.of({Atom(ON, ("low", "top"))})
     generator = create(config, replace(PARKED, goal=goal))
     plan = generator.next_plan(1000, frozenset({Obstruction(PICK_LOW, "top")}))
     assert plan is not None
@@ -241,7 +242,7 @@ def test_a_box_can_be_moved_on_what_it_stands_on(config: Config) -> None:
 
 @each_config
 def test_when_nothing_can_be_moved_first_any_plan_is_the_next(config: Config) -> None:
-    goal = frozenset({Atom(ON, ("low", "top"))})
+    goal = Goal.of({Atom(ON, ("low", "top"))})
     plain, around = (create(config, replace(PARKED, goal=goal)) for _ in range(2))
     first = plain.next_plan(1000)
     assert around.next_plan(1000, frozenset({Obstruction(PICK_LOW, "table")})) == first

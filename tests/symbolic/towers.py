@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from ictamp_drake.core.types import Atom, Obstruction, State
 from ictamp_drake.symbolic.atoms import CLEAR, HAND_EMPTY, LYING, ON, TIPPED, UPRIGHT, tipped_boxes
 from ictamp_drake.symbolic.domain import Domain
+from ictamp_drake.symbolic.goal import Goal
 
 Tower = tuple[str, ...]
 """A support and the boxes on it, from below."""
@@ -28,7 +29,7 @@ class Problem:
     boxes: tuple[str, ...]
     supports: tuple[str, ...]
     initial: State
-    goal: frozenset[Atom]
+    goal: Goal
 
     @property
     def domain(self) -> Domain:
@@ -46,9 +47,14 @@ def state(towers: Sequence[Tower], tipped: Sequence[str] = ()) -> State:
     return frozenset(atoms)
 
 
-def tower_goal(tower: Tower, tipped: Collection[str] = ()) -> frozenset[Atom]:
-    """Goal that the tower stands, with its tipped boxes lying."""
+def tower_atoms(tower: Tower, tipped: Collection[str] = ()) -> frozenset[Atom]:
+    """Atoms that hold when the tower stands, with its tipped boxes lying."""
     return frozenset(Atom(LYING if box in tipped else ON, (box, below)) for below, box in pairwise(tower))
+
+
+def tower_goal(tower: Tower) -> Goal:
+    """Goal that the tower stands."""
+    return Goal.of(tower_atoms(tower))
 
 
 def level(*towers: Tower, goal: Tower) -> Problem:
@@ -80,8 +86,8 @@ def problems(draw: st.DrawFn, boxes: int = 3, supports: int = 2) -> Problem:
     support_names = tuple(f"table_{i}" for i in range(draw(st.integers(1, supports))))
     tipped = draw(st.sets(st.sampled_from(box_names)))
     towers = draw(arrangements(box_names, support_names))
-    final = frozenset[Atom]().union(*(tower_goal(tower, tipped) for tower in towers))
-    goal = frozenset(draw(st.sets(st.sampled_from(sorted(final)), min_size=1)))
+    final = frozenset[Atom]().union(*(tower_atoms(tower, tipped) for tower in towers))
+    goal = Goal.of(draw(st.sets(st.sampled_from(sorted(final)), min_size=1)))
     return Problem(box_names, support_names, state(draw(arrangements(box_names, support_names)), sorted(tipped)), goal)
 
 
@@ -92,3 +98,39 @@ def draw_obstructions(problem: Problem) -> st.SearchStrategy[frozenset[Obstructi
     return st.frozensets(
         st.builds(Obstruction, st.sampled_from(actions), st.sampled_from(things)), min_size=1, max_size=2
     )
+
+
+@st.composite
+def formulas(
+    draw: st.DrawFn,
+    boxes: Sequence[str],
+    supports: Sequence[str],
+    depth: int = 3,
+    variables: tuple[tuple[str, str], ...] = (),
+) -> str:
+    """A goal in PDDL, in which every variable has a quantifier."""
+    bound = [name for name, kind in variables if kind == "box"]
+    box = st.sampled_from([*boxes, *bound])
+    thing = st.sampled_from([*boxes, *supports, *(name for name, _ in variables)])
+    connective = draw(st.sampled_from(["atom", "not", "and", "or", "imply", "exists", "forall"])) if depth else "atom"
+    if connective == "atom":
+        predicate = draw(st.sampled_from(["on", "on", "lying", "clear", "in-hand", "hand-empty", "="]))
+        terms = {"on": (box, thing), "lying": (box, thing), "hand-empty": (), "=": (thing, thing)}
+        return f"({' '.join([predicate, *map(draw, terms.get(predicate, (box,)))])})"
+    if connective in ("exists", "forall"):
+        name, kind = f"?v{len(variables)}", draw(st.sampled_from(["box", "support", "thing"]))
+        body = draw(formulas(boxes, supports, depth - 1, (*variables, (name, kind))))
+        return f"({connective} ({name} - {kind}) {body})"
+    count = {"not": 1, "imply": 2}.get(connective) or draw(st.integers(1, 3))
+    parts = [draw(formulas(boxes, supports, depth - 1, variables)) for _ in range(count)]
+    return f"({' '.join([connective, *parts])})"
+
+
+def reachable(domain: Domain, initial: State) -> set[State]:
+    """All states that actions lead to from the initial one, which is among them."""
+    found, frontier = {initial}, [initial]
+    while frontier:
+        new = {after for _, after in domain.successors(frontier.pop())} - found
+        found |= new
+        frontier += new
+    return found

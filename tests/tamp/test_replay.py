@@ -17,6 +17,7 @@ from ictamp_drake.core.reading import parse
 from ictamp_drake.core.types import Attempt, Configuration, FloatArray, Motion, Segment
 from ictamp_drake.scenes.levels import problem_files
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.tamp.method import Method
 from ictamp_drake.tamp.plan import Plan, read_plan, write_plan
 from ictamp_drake.tamp.replay import Replay, replay
@@ -192,7 +193,7 @@ def test_a_plan_without_its_last_skill_is_executed_but_does_not_reach_the_goal(s
 
 def test_an_empty_plan_reaches_what_holds_already(small: Solution) -> None:
     assert not execute(small.task, ()).reached
-    assert execute(replace(small.task, goal=frozenset()), ()).reached
+    assert execute(replace(small.task, goal=Goal.of(())), ()).reached
 
 
 def test_an_execution_in_which_the_solver_diverges_does_not_reach_the_goal(small: Solution) -> None:
@@ -201,7 +202,7 @@ def test_an_execution_in_which_the_solver_diverges_does_not_reach_the_goal(small
     state = task.c.x
     assert state is not None
     wild = replace(task.c, x=np.append(state[:-3], np.full(3, np.nan)))
-    diverged = execute(replace(task, c=wild, goal=frozenset()), attempts, replace(METHOD.physics, sleep=False))
+    diverged = execute(replace(task, c=wild, goal=Goal.of(())), attempts, replace(METHOD.physics, sleep=False))
     assert not diverged.reached
     assert diverged.outcomes == ()
 

@@ -75,7 +75,7 @@ def test_a_solution_can_be_shown_from_the_recordings_of_its_skills(scene: Path) 
     assert sum(isinstance(event, StepDone) for event in events) == solution.result.low_level_steps
     end = solution.result.plan[-1].successor
     assert end is not None
-    assert solution.task.goal <= solution.task.abstraction(end)
+    assert solution.task.goal.holds(solution.task.abstraction(end))
     assert frames[-1].c == Configuration(end.q, end.poses)
 
 

@@ -7,6 +7,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from ictamp_drake.scenes.regions import PoseSpec, RegionSpec
 from ictamp_drake.viz.drawing import to_rgb
 from ictamp_drake.viz.picture import HEIGHT, WIDTH, picture, scene_png
 from ictamp_drake.viz.raster import Camera
@@ -105,3 +106,15 @@ def test_things_that_are_not_in_the_scene_are_left_out(tmp_path: Path) -> None:
     elsewhere = replace(refusal, args=("ghost",), obstacles={"panda_link5": 3})
     scene_png(SPEC, START, tmp_path / "why.png", reasons=Reasons("it ended", (elsewhere,)))
     assert (tmp_path / "why.png").exists()
+
+
+def test_regions_are_drawn_on_their_support() -> None:
+    """In a color of their own, beneath the boxes."""
+    region = RegionSpec("table", (0.2, 0.1), (0.3, 0.0), yaw=30.0)
+    spec = replace(SPEC, regions={"near": region}, poses={"spot": PoseSpec("table", (0.3, -0.15), tolerance=(0.03, 5))})
+    plain, marked = picture(SPEC, START), picture(spec, START)
+    for x, y, differs in ((0.6, 0.0, True), (0.6, -0.15, True), (0.6, -0.3, False), (0.6, 0.1, False)):
+        p_W = np.array([x, y, 0.0])
+        assert (np.abs(color_at(plain, p_W) - color_at(marked, p_W)).max() > 20) == differs
+    changed = np.abs(plain.astype(int) - marked).max(axis=2) > 20
+    assert 0.002 < changed.mean() < 0.05
