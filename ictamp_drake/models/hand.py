@@ -2,6 +2,10 @@
 
 G, the grasp frame, is between the finger tips. Its x axis is along the pads, y along the motion of the fingers, and z
 points out of the palm, down when the hand points down.
+
+The hand's collision shapes are bounded in three ways: `FINGER`, `PALM` and `WRIST` are boxes that contain them, for the
+networks; `UPPER_HAND` contains those above the fingers more closely, in rows of cylinders, for geometric sampling; and
+`HAND_CORE` and `FINGER_DISK` are volumes that the hand occupies at any yaw, for what is certain to collide.
 """
 
 import math
@@ -26,7 +30,7 @@ class Row(NamedTuple):
     """Part of the hand above the fingers as a row of upright cylinders along G's y axis, open at their tops.
 
     Attributes:
-        first, last: Places of the first and of the last axis along y.
+        first, last: Positions of the first and of the last axis along y.
         radius: Radius of the cylinders.
         bottom: Height of their lower faces above G, when the hand points down.
     """
@@ -35,6 +39,19 @@ class Row(NamedTuple):
     last: float
     radius: float
     bottom: float
+
+
+class Cylinder(NamedTuple):
+    """Upright cylinder about G's z axis.
+
+    Attributes:
+        radius: Radius.
+        bottom, top: Heights of its lower and upper face above G, when the hand points down.
+    """
+
+    radius: float
+    bottom: float
+    top: float
 
 
 HAND_ANGLE = -math.pi / 4
@@ -64,21 +81,25 @@ TIP = PAD_HALF_HEIGHT + 0.0025
 """Distance below G beyond which no part of a finger reaches, with 2.5 mm to spare."""
 
 LOWEST_GRASP = TIP + 0.002
-"""Height of G above the ground at which the tips are well above it [m]: flat boxes are gripped up to there."""
+"""Height of G above the ground at which the tips are well above it. Flat boxes are gripped at up to this height."""
 
 FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
 """An open finger with its mount. Its inner face is half the opening away from G."""
 PALM = Outline(half_length=0.0195, half_width=0.101, bottom=0.037)
 WRIST = Outline(half_length=0.075, half_width=0.075, bottom=0.105)
 
-CORE = ((0.019, 0.037, 0.104), (0.053, 0.104, 0.160))
-"""Radius and heights above G of two cylinders inside palm and flange, when the hand points down, at any yaw."""
-FINGERS = (0.045, -0.009, 0.037)
-"""Radius of a disk about G that the fingers meet at any yaw and opening, and their heights above G."""
-ROWS = (
+UPPER_HAND = (
     Row(-PALM.half_width + PALM.half_length, PALM.half_width - PALM.half_length, PALM.half_length, PALM.bottom),
     Row(0.075, 0.085, radius=0.0245, bottom=0.0445),
     Row(0.05, 0.08, radius=0.029, bottom=0.0955),
     Row(0.0, 0.0, radius=0.054, bottom=0.1035),
 )
 """Palm, front edge and front of the hand, and the wrist above it: closer to the model than the outlines."""
+
+HAND_CORE = (
+    Cylinder(radius=0.019, bottom=PALM.bottom, top=0.104),
+    Cylinder(radius=0.053, bottom=0.104, top=0.160),
+)
+"""Cylinders inside palm and flange."""
+FINGER_DISK = Cylinder(radius=0.045, bottom=-0.009, top=PALM.bottom)
+"""Cylinder of which the fingers fill some at every height, at any yaw and opening."""

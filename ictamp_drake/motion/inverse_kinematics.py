@@ -103,10 +103,10 @@ class ArmKinematics:
         return least
 
     def turning_postures(self, X_WG: RigidTransform) -> FloatArray:
-        """Joint positions with G at X_WG on a grid of all angles of the last joint, which need not be within limits.
+        """Joint positions with G at X_WG, on a grid over all angles of the last joint, whose limits do not count.
 
-        Turning the last joint turns a hand about its own axis and leaves all other links where they are. So these are
-        the postures of every turn of the hand.
+        Turning the last joint turns the hand about its own axis and leaves all other links where they are. So these
+        postures, with another angle of the last joint, are those of every turn of the hand.
 
         Returns:
             Shape (m, 7) [rad]; all joints but the last are within their limits.
@@ -114,12 +114,15 @@ class ArmKinematics:
         found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._turn)
         return found[self._is_within_limits(found, slice(0, 6))]
 
-    def is_near_enough(self, radius: FloatArray, height: float) -> NDArray[np.bool_]:
-        """Whether the arm without a limit of its first joint brings G there, with the hand pointing down.
+    def is_within_reach(self, radius: FloatArray, height: float) -> NDArray[np.bool_]:
+        """Whether the arm, if its first and last joint had no limits, could bring G there with the hand pointing down.
 
         Args:
             radius: Horizontal distances of G from the axis of the first joint, shape (n,) [m].
             height: Height of G above the arm's base [m].
+
+        Returns:
+            Shape (n,).
         """
         X_BG = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (len(radius), 1, 1))
         X_BG[:, 0, 3], X_BG[:, 2, 3] = radius, height

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, ROWS
+from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, UPPER_HAND
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import CLEARANCES
 from ictamp_drake.skills.geometry import hand_poses, held_bottom, needed_opening
@@ -116,8 +116,12 @@ def _hand_disks(width: float) -> list[_Disk]:
     """Disks of the hand whose fingers just miss something of that width [m]."""
     side = min(width / 2 + CLEARANCES[-1], MAX_OPENING / 2) + FINGER.half_width
     fingers = [_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)]
-    rows = [(np.linspace(row.first, row.last, int(np.ceil((row.last - row.first) / SPACING)) + 1), row) for row in ROWS]
-    return fingers + [_Disk(np.array([0.0, y, -row.bottom]), row.radius) for ys, row in rows for y in ys]
+    upper = [
+        _Disk(np.array([0.0, y, -row.bottom]), row.radius)
+        for row in UPPER_HAND
+        for y in np.linspace(row.first, row.last, int(np.ceil((row.last - row.first) / SPACING)) + 1)
+    ]
+    return fingers + upper
 
 
 def _box_disks(X_GB: FloatArray, half: FloatArray) -> list[_Disk]:

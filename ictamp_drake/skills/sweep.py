@@ -122,9 +122,9 @@ class Sweep:
         spots = grid.spots[_FIRST:]
         if len(spots):
             p_WG = (grid.X_WF @ np.column_stack([spots, np.full(len(spots), grid.top)]).T).T
-            near = self._columns.is_near_enough(p_WG)
+            near = self._columns.is_within_reach(p_WG)
             refused[OUT_OF_REACH] += len(YAWS) * int(np.count_nonzero(~near))
-            for p_FG, obstacle in zip(spots[near], self._columns.obstacles(p_WG[near]), strict=True):
+            for p_FG, obstacle in zip(spots[near], self._columns.find_obstacles(p_WG[near]), strict=True):
                 if obstacle:
                     refused[obstacle] += len(grid.yaws(p_FG))
                 else:

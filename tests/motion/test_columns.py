@@ -42,7 +42,7 @@ def test_the_hand_touches_an_obstacle_that_is_named_at_any_yaw_and_opening(
     place: tuple[float, float, float], yaw: float, width: float
 ) -> None:
     world, arm, found = columns()
-    (name,) = found.obstacles(np.array([place]))
+    (name,) = found.find_obstacles(np.array([place]))
     postures = arm.turning_postures(RigidTransform(DOWN, place))
     if not name or not len(postures):
         return
@@ -57,7 +57,7 @@ def test_the_hand_touches_an_obstacle_that_is_named_at_any_yaw_and_opening(
 def test_no_place_within_reach_is_too_far(place: tuple[float, float, float]) -> None:
     _, arm, found = columns()
     if len(arm.turning_postures(RigidTransform(DOWN, place))):
-        assert found.is_near_enough(np.array([place]))[0]
+        assert found.is_within_reach(np.array([place]))[0]
 
 
 @pytest.mark.parametrize("turn", [-2.0, 0.5])
