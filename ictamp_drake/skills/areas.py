@@ -1,4 +1,4 @@
-"""k of placements in scenes with regions and poses: only where the box ends in the place of the action."""
+"""k of placements in scenes with regions and poses: only those with which the box ends in the action's place."""
 
 from collections.abc import Iterator
 
@@ -7,9 +7,8 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Action, Configuration, Parameter
-from ictamp_drake.skills.config import OptimizationConfig, UniformConfig
+from ictamp_drake.skills.config import HEIGHTS
 from ictamp_drake.skills.geometry import level_pose
-from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.world.world import SQUARE, World
 
 MARGIN = 0.003
@@ -19,26 +18,30 @@ PATIENCE = 200
 """Number of parameters in a row outside the place after which a sampler is not asked again."""
 
 SHARE = 0.5
-"""Part of a pose's tolerance that placements use; executing them takes the rest."""
+"""Share of a pose's tolerance that k may use; the rest is for the execution."""
 
 
 class AreaSampler:
-    """Leaves out what another sampler draws outside the place of a placement, and draws in the place when that fails.
+    """Drops what another sampler draws outside the place of a placement; when too much is dropped, draws at random.
 
-    For poses it draws by itself, since a place so small is rarely hit.
+    At a pose it draws k itself, since other samplers rarely hit so small a place.
+
+    Args:
+        world: The scene.
+        sampler: Other sampler.
+        random: Sampler that is asked when `sampler` fails.
     """
 
-    def __init__(self, world: World, sampler: Sampler[Configuration]) -> None:
+    def __init__(self, world: World, sampler: Sampler[Configuration], random: Sampler[Configuration]) -> None:
         self._world = world
-        self._sampler = sampler
-        self._uniform = UniformSampler(world, UniformConfig())
+        self._samplers = (sampler, random)
         self._divided = {area.on for area in world.spec.areas.values()}
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
-        """Any number of k, or the failure of the other sampler."""
+        """Any number of k; for a placement on a divided support or in a region, GOAL_IN_COLLISION when both fail."""
         spec, place = self._world.spec, action.args[1]
         if action.name != "place" or (place not in self._divided and place not in spec.areas):
-            return self._sampler.draws(c, action, rng)
+            return self._samplers[0].draws(c, action, rng)
         if place in spec.poses:
             return self._draw_at_pose(c, action, rng)
         return self._draw_in_place(c, action, rng)
@@ -46,7 +49,7 @@ class AreaSampler:
     def _draw_in_place(
         self, c: Configuration, action: Action, rng: np.random.Generator
     ) -> Iterator[Parameter | Failure]:
-        for sampler in (self._sampler, self._uniform):
+        for sampler in self._samplers:
             refused = 0
             for k in sampler.draws(c, action, rng):
                 if isinstance(k, Failure):
@@ -71,6 +74,6 @@ class AreaSampler:
         quarters = 1 if np.ptp(self._world.upright_frame(c, action.args[0]).size[:2]) < SQUARE else 2
         while True:
             radius, direction = SHARE * distance * rng.uniform() ** 0.5, rng.uniform(-np.pi, np.pi)
-            z = rng.uniform(*OptimizationConfig().height)
+            z = rng.uniform(*HEIGHTS)
             yaw = rng.integers(4 // quarters) * quarters * np.pi / 2 + np.deg2rad(SHARE * angle) * rng.uniform(-1, 1)
             yield np.array([radius * np.cos(direction), radius * np.sin(direction), z, yaw])

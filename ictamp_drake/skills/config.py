@@ -38,9 +38,11 @@ CLEARANCES = (0.01, 0.006, 0.003)
 The first one tolerates a box 3 mm and 2 deg from its expected pose. The last one tolerates only the arm's own errors.
 """
 
+HEIGHTS = (0.001, 0.002)
+"""Minimum and maximum height of a placement above the top face [m]."""
 
 GRID_STEP, GRID_TURN = 0.005, 10.0
-"""Distances of neighboring hand poses in a sweep, see `skills.sweep` [m, deg]."""
+"""Distance [m] and angle [deg] between neighboring hand poses in a sweep, see `skills.sweep`."""
 
 
 def check_clearances(field: str, clearances: Sequence[float]) -> None:
@@ -102,7 +104,7 @@ class OptimizationConfig:
     ground: float = 0.014
     grip_offset: tuple[float, float] = (0.008, 0.001)
     turn: float = 0.02
-    height: tuple[float, float] = (0.001, 0.002)
+    height: tuple[float, float] = HEIGHTS
     overhang: float = 0.004
     play: float = CLEARANCES[0]
     clearance: float = 0.015
@@ -283,10 +285,11 @@ class SkillsConfig:
         planner = MotionPlanner(world, self.motion, physics.config.time_step)
         configs: dict[str, SkillConfig] = {"pick": self.pick, "place": self.place}
         skills = {name: config.create(SkillContext(world, planner)) for name, config in configs.items()}
-        drawing = sampler.create(SamplerContext(world, planner.kinematics))
-        random: Sampler[Configuration] = UniformConfig().create(SamplerContext(world, planner.kinematics))
+        context = SamplerContext(world, planner.kinematics)
+        drawing: Sampler[Configuration] = sampler.create(context)
+        random: Sampler[Configuration] = UniformConfig().create(context)
         if world.spec.areas:
-            drawing, random = AreaSampler(world, drawing), AreaSampler(world, random)
+            drawing, random = AreaSampler(world, drawing, random), AreaSampler(world, random, random)
         place = self.place if isinstance(self.place, PlaceConfig) else PlaceConfig()
         lookahead = Lookahead(world, planner.kinematics, random, self.look_ahead, place) if self.look_ahead else None
         return Skills(self.draws, abstraction, physics, drawing, skills, lookahead)

@@ -1,7 +1,7 @@
-"""k from geometry alone: grasps and placements from above that hand, ground and the things around allow.
+"""k from geometry alone: grasps and placements from above for which hand, ground and surroundings leave room.
 
-A hand that points down comes from above, so all that counts of a thing is its outline and the height of its top. The
-hand and the held box count as disks, each with a lower face.
+The hand points down and comes from above, so only the outline and the height of the top of each thing count. The hand
+and the held box count as disks, below which nothing may be.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,47 +12,50 @@ import numpy as np
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
 from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, UPPER_HAND
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.skills.config import CLEARANCES
+from ictamp_drake.skills.config import CLEARANCES, HEIGHTS
 from ictamp_drake.skills.geometry import hand_poses, held_bottom, needed_opening
 from ictamp_drake.skills.neighbours import Neighbour, neighbours
 from ictamp_drake.world.world import World
 
 LEAST_COVER = 0.003
-"""Minimum height of the box that the pads cover [m]."""
+"""Minimum height over which the pads cover the box [m]."""
 SPARE = 0.0025
-"""Distance that a grasp keeps from what is below the hand [m]."""
+"""Distance of the hand in a grasp from what is below it [m]."""
 PLAY = 0.001
-"""Range of heights of grasps whose pads cannot be covered wholly [m]."""
-DROP = (0.001, 0.002)
-"""Range of heights of a placement above the top face [m]."""
+"""Range of heights of grasps of a box that does not cover the whole pads [m]."""
 TURN = 0.02
 """Standard deviation of yaw from the directions of the faces [rad]."""
 SPACING = 0.02
-"""Distance of the disks in a row [m]."""
+"""Maximum distance between the disks of a row [m]."""
 ROOM = 0.004
 """Distance of a placed box from the things around [m]."""
 CANDIDATES = 64
 """Number of candidates drawn at once."""
 COMPARED = 8
-"""Number of candidates that fit among which the one nearest to the middle of a box comes first."""
+"""Maximum number of fitting candidates in one round; on boxes, the one nearest to the middle comes first."""
 
 
 class _Disk(NamedTuple):
-    """Part of the hand or held box: center in G, shape (3,), and radius [m]. Nothing may be below it."""
+    """Horizontal disk of the hand or of the held box, which nothing may be below.
+
+    Attributes:
+        center: Center in G, shape (3,) [m].
+        radius: Radius [m].
+    """
 
     center: FloatArray
     radius: float
 
 
 class GeometricSampler:
-    """Pick: pads on opposite faces, anywhere along them. Place: wherever there is room. A box's middle comes first."""
+    """Pick: pads on opposite faces, anywhere along them. Place: wherever there is room. Middles of boxes come first."""
 
     def __init__(self, world: World, arm: ArmKinematics) -> None:
         self._world = world
         self._arm = arm
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
-        """k that fit and are within reach, until none of many candidates is."""
+        """k that fit and are within reach, as long as some of the latest candidates are."""
         around = neighbours(self._world, c, {action.args[0]}, -np.inf)
         draw = self._draw_grasps if action.name == "pick" else self._draw_placements
         while len(k := draw(c, action, around, rng)):
@@ -69,21 +72,21 @@ class GeometricSampler:
     def _draw_grasps(
         self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
     ) -> FloatArray:
-        """Grasps as low as the things below the hand allow, or higher as long as the box covers the pads."""
+        """Grasps as low as the things below the hand allow, or higher while the box covers the pads, shape (n, 4)."""
         lying = self._world.upright_frame(c, action.args[0])
         center, half = lying.X_WU.translation()[2], lying.size / 2
+        top = center + half[2]
         quarters = rng.choice([m for m in range(4) if lying.size[1 - m % 2] <= MAX_SIDE], CANDIDATES)
         k = np.zeros((CANDIDATES, 4))
         k[range(CANDIDATES), quarters % 2] = rng.uniform(-1, 1, CANDIDATES) * half[quarters % 2]
         k[:, 3] = quarters * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
         X_WG = self._hand_poses(c, action, k)
-        lowest = np.full(CANDIDATES, center + half[2] - PALM.bottom)
+        lowest = np.full(CANDIDATES, top - PALM.bottom)
         for side in (0, 1):
             chosen = quarters % 2 == side
-            disks = _hand_disks(2 * half[1 - side])
-            lowest[chosen] = np.maximum(lowest[chosen], _lowest(X_WG[chosen], disks, around))
+            disks = _list_hand_disks(2 * half[1 - side])
+            lowest[chosen] = np.maximum(lowest[chosen], _find_lowest(X_WG[chosen], disks, around))
         lowest += SPARE
-        top = center + half[2]
         highest = np.maximum(top - PAD_HALF_HEIGHT, lowest + PLAY)
         k[:, 2] = rng.uniform(lowest, highest) - center
         return k[k[:, 2] <= half[2] + PAD_HALF_HEIGHT - LEAST_COVER]
@@ -91,12 +94,12 @@ class GeometricSampler:
     def _draw_placements(
         self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
     ) -> FloatArray:
-        """Placements with room for the box and the hand that lets go of it."""
+        """Placements with room for the box and for the hand that lets go of it, shape (n, 4)."""
         box, place = action.args
         X_WG = self._arm.forward(c.q[:7])
         half, top = self._world.upright_frame(c, box).size / 2, self._world.top_size(c, place) / 2
         k = np.zeros((CANDIDATES, 4))
-        k[:, 2] = rng.uniform(*DROP, CANDIDATES)
+        k[:, 2] = rng.uniform(*HEIGHTS, CANDIDATES)
         if place in self._world.spec.boxes:
             k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * top / 2
             k[:, 3] = rng.integers(4, size=CANDIDATES) * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
@@ -108,12 +111,12 @@ class GeometricSampler:
         X_GB = held_bottom(self._world, c, box, X_WG).GetAsMatrix4()
         placed = self._hand_poses(c, action, k)
         beside = neighbours(self._world, c, {box, place}, -np.inf)
-        hand = _lowest(placed, _hand_disks(needed_opening(self._world, c, box, X_WG)), around)
-        return k[placed[:, 2, 3] >= np.maximum(hand, _lowest(placed, _box_disks(X_GB, half), beside))]
+        hand = _find_lowest(placed, _list_hand_disks(needed_opening(self._world, c, box, X_WG)), around)
+        return k[placed[:, 2, 3] >= np.maximum(hand, _find_lowest(placed, _list_box_disks(X_GB, half), beside))]
 
 
-def _hand_disks(width: float) -> list[_Disk]:
-    """Disks of the hand whose fingers just miss something of that width [m]."""
+def _list_hand_disks(width: float) -> list[_Disk]:
+    """List disks that cover a hand whose fingers just miss something of that width [m]."""
     side = min(width / 2 + CLEARANCES[-1], MAX_OPENING / 2) + FINGER.half_width
     fingers = [_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)]
     upper = [
@@ -124,16 +127,16 @@ def _hand_disks(width: float) -> list[_Disk]:
     return fingers + upper
 
 
-def _box_disks(X_GB: FloatArray, half: FloatArray) -> list[_Disk]:
-    """Disks along a held box, whose bottom frame is X_GB, shape (4, 4); half sides of shape (3,) [m]."""
+def _list_box_disks(X_GB: FloatArray, half: FloatArray) -> list[_Disk]:
+    """List disks along a held box with its bottom frame at X_GB, shape (4, 4), and half sides of shape (3,) [m]."""
     long, radius = int(half[1] > half[0]), float(min(half[:2]))
     reach = half[long] - radius
     shifts = np.linspace(-reach, reach, int(np.ceil(2 * reach / radius)) + 1)
     return [_Disk(X_GB[:3, 3] + shift * X_GB[:3, long], radius + ROOM) for shift in shifts]
 
 
-def _lowest(X_WG: FloatArray, disks: Sequence[_Disk], around: Sequence[Neighbour]) -> FloatArray:
-    """Lowest heights of G at which all disks are above what is below them, shape (n, 4, 4) -> (n,) [m]."""
+def _find_lowest(X_WG: FloatArray, disks: Sequence[_Disk], around: Sequence[Neighbour]) -> FloatArray:
+    """Find the lowest heights of G in W at which all disks are above what is below them, (n, 4, 4) -> (n,) [m]."""
     lowest = np.full(len(X_WG), -np.inf)
     for center, radius in disks:
         offset = X_WG[:, :3, :3] @ center

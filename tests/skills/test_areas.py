@@ -38,10 +38,11 @@ SAMPLERS: dict[str, SamplerConfig] = {
 @pytest.mark.parametrize("where", ["near", "narrow", "spot", "table"])
 def test_the_box_would_be_in_the_place_of_the_action(config: SamplerConfig, where: str) -> None:
     world = World(SPEC)
-    sampler = config.create(SamplerContext(world, ArmKinematics(to_transform(SPEC.arm.X_WB))))
+    context = SamplerContext(world, ArmKinematics(to_transform(SPEC.arm.X_WB)))
+    sampler = AreaSampler(world, config.create(context), UniformConfig().create(context))
     c = hold_box(world, "yellow_box")
     size = world.upright_frame(c, "yellow_box").size
-    draws = AreaSampler(world, sampler).draws(c, place("yellow_box", where), np.random.default_rng(0))
+    draws = sampler.draws(c, place("yellow_box", where), np.random.default_rng(0))
     for k in islice(draws, 8):
         assert not isinstance(k, Failure)
         assert world.area_at(where, world.X_WT(c, where) @ level_pose(k), size) == where
@@ -50,9 +51,8 @@ def test_the_box_would_be_in_the_place_of_the_action(config: SamplerConfig, wher
 def test_a_support_without_room_beside_its_regions_ends_the_draws() -> None:
     spec = replace(SPEC, regions={"all": RegionSpec("table", SPEC.supports["table"].size[:2])}, poses={})
     world = World(spec)
-    sampler = AreaSampler(
-        world, UniformConfig().create(SamplerContext(world, ArmKinematics(to_transform(spec.arm.X_WB))))
-    )
+    uniform = UniformConfig().create(SamplerContext(world, ArmKinematics(to_transform(spec.arm.X_WB))))
+    sampler = AreaSampler(world, uniform, uniform)
     draws = sampler.draws(hold_box(world, "yellow_box"), place("yellow_box", "table"), np.random.default_rng(0))
     assert list(draws) == [Failure.GOAL_IN_COLLISION]
 
