@@ -1,7 +1,7 @@
-"""Grids of hand poses for a grasp or a placement, and what the skill needs at each of them.
+"""Grids of hand poses for a grasp or a placement, and what a skill needs to be free at each of them.
 
-Where a box is grasped or put down, the hand rises straight up until its tips are above the box. This height is the same
-for all heights of the grasp, so hand poses come in columns with a common upper end.
+Where a box is grasped or put down, the hand rises straight up until its tips are above the box. It rises to the same
+height from all heights of the grasp, so hand poses come in columns, each with one upper end.
 """
 
 from collections.abc import Sequence
@@ -25,35 +25,36 @@ from ictamp_drake.world.world import World
 YAWS: FloatArray = np.deg2rad(np.arange(0, 360, GRID_TURN))
 """All yaws of the grid [rad]."""
 _EASY_REACH = 0.5
-"""Horizontal distance from the base at which most things are easy [m]."""
+"""Horizontal distance of G from the base at which most placements are possible [m]."""
 _OVERHANG = 10.0
-"""Distance from the easiest reach that counts like the same distance beyond the edge of a face."""
+"""Weight of a distance beyond the edge of a face, relative to one from the easiest reach."""
 _EASY_DEPTH = 0.02
-"""Distance of G below a box's top at which most things are easy [m]."""
+"""Distance of G below a box's top at which most grasps are possible [m]."""
 _SLACK = 1e-4
 """Length by which fingers may overlap a box that just fits between them [m]."""
 _AWAY: FloatArray = to_pose(RigidTransform([0.0, 0.0, -100.0]))
+"""Pose X_WO of boxes that are left out."""
 
 
 class Face(NamedTuple):
-    """Places for the center of a box's lower face.
+    """Level rectangle in which the center of a placed box's lower face may be.
 
     Attributes:
-        X_WT: Frame in the middle of these places, z up.
-        half: Half sides of their area along T's x and y, shape (2,) [m].
+        X_WT: Frame in its middle, z up.
+        half: Half sides along T's x and y, shape (2,) [m].
     """
 
     X_WT: RigidTransform
     half: FloatArray
 
 
-class Pose(NamedTuple):
-    """A pose of the hand on the grid.
+class GridPose(NamedTuple):
+    """Pose of the hand on a grid.
 
     Attributes:
         p_FG: Position of G in the frame F of the columns, x and y, shape (2,) [m].
         yaw: Yaw of the hand in F [rad].
-        variant: Anything else, such as the height of G.
+        variant: Further numbers of the grid, first the height of G in F [m].
     """
 
     p_FG: FloatArray
@@ -62,10 +63,10 @@ class Pose(NamedTuple):
 
 
 class Grid(Protocol):
-    """Hand poses of one action.
+    """Hand poses of one action, and the configurations of arm, fingers and box that it needs there.
 
     Attributes:
-        c: Configuration without the other boxes.
+        c: Configuration with the other boxes far away.
         X_WF: Level frame F of the columns.
         top: Height of G in F at the upper end of each column [m].
         spots: Position of each column in F, x and y, the most promising first, shape (n, 2) [m].
@@ -79,23 +80,23 @@ class Grid(Protocol):
     variants: list[tuple[float, ...]]
 
     def yaws(self, p_FG: FloatArray) -> FloatArray:
-        """Yaws of the hand at which the box fits between the fingers, shape (m,) [rad]."""
+        """Yaws of the hand at which the box fits between the open fingers, shape (m,) [rad]."""
 
     def opened(self, p_FG: FloatArray, yaw: float) -> Sequence[Configuration]:
-        """Configurations in which the hand is as far open as it may be at the upper end of a column."""
+        """Configurations with the openings of the hand that the skill may choose, the widest first."""
 
-    def X_WG(self, pose: Pose) -> RigidTransform | None:
+    def X_WG(self, pose: GridPose) -> RigidTransform | None:
         """Pose of G; None if the box is not in one of its places."""
 
-    def around(self, pose: Pose, q: FloatArray) -> Sequence[Configuration]:
-        """Configurations, at least one of which must be free when the arm is at q, with G at the pose."""
+    def around(self, pose: GridPose, q: FloatArray) -> Sequence[Configuration]:
+        """Configurations, at least one of which must be free when the arm is at q, which brings G to the pose."""
 
-    def can_follow(self, pose: Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
-        """Whether the straight lines of the skill are free from q on, if these configurations are free."""
+    def can_follow(self, pose: GridPose, q: FloatArray, free: Sequence[Configuration]) -> bool:
+        """Whether the straight lines of the skill are free from q on, given the configurations free at q."""
 
 
 class Lines:
-    """Straight lines of the hand."""
+    """Straight lines of the hand upwards, and their collisions."""
 
     def __init__(self, arm: ArmKinematics, scene: CollisionScene) -> None:
         self._arm = arm
@@ -111,8 +112,8 @@ class Lines:
         return path is not None and self._scene.are_free(c, path)
 
 
-class Grasps:
-    """Grasps of a box. Variants are the height of G in the box's upright frame, which is F."""
+class GraspGrid:
+    """Grasps of a box. F is the box's upright frame, and a variant is the height of G alone."""
 
     def __init__(self, world: World, lines: Lines, config: PickConfig, c: Configuration, box: str) -> None:
         self.c = _alone(c, box)
@@ -121,29 +122,31 @@ class Grasps:
         self.X_WF = lying.X_WU
         self._half = lying.size / 2
         self.top = float(self._half[2]) + TIP + config.margin
-        spots = _spots(self._half[:2])
+        spots = _list_spots(self._half[:2])
         self.spots = spots[[len(self.yaws(p)) > 0 for p in spots]]
-        self.variants: list[tuple[float, ...]] = [(float(self._half[2]) - depth,) for depth in _depths(lying.size[2])]
+        self.variants: list[tuple[float, ...]] = [
+            (float(self._half[2]) - depth,) for depth in _list_depths(lying.size[2])
+        ]
 
     def _needed(self, p_FG: FloatArray, yaw: FloatArray | float) -> FloatArray:
-        """Opening of the fingers that just miss the box, see `geometry.needed_opening`."""
+        """Openings at which the fingers just miss the box, see `geometry.needed_opening`: yaws [rad] -> [m]."""
         (x, y), (cos, sin) = self._half[:2], (np.cos(yaw), np.sin(yaw))
         return 2 * (np.abs(sin) * x + np.abs(cos) * y + np.abs(p_FG[0] * sin - p_FG[1] * cos))
 
     def yaws(self, p_FG: FloatArray) -> FloatArray:
         return YAWS[self._needed(p_FG, YAWS) <= MAX_OPENING + _SLACK]
 
-    def X_WG(self, pose: Pose) -> RigidTransform:
+    def X_WG(self, pose: GridPose) -> RigidTransform:
         return hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw)
 
     def opened(self, p_FG: FloatArray, yaw: float) -> list[Configuration]:
         fitting = openings(float(self._needed(p_FG, yaw)), self._config.clearances)
         return [imagine(self.c, q=HOME, width=each.width, held=None) for each in fitting]
 
-    def around(self, pose: Pose, _: FloatArray) -> list[Configuration]:
+    def around(self, pose: GridPose, _: FloatArray) -> list[Configuration]:
         return self.opened(pose.p_FG, pose.yaw)
 
-    def can_follow(self, pose: Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
+    def can_follow(self, pose: GridPose, q: FloatArray, free: Sequence[Configuration]) -> bool:
         X_WG, rise = self.X_WG(pose), self.top - pose.variant[0]
         grasped = imagine(self.c, q=q, width=float(self._needed(pose.p_FG, pose.yaw)), held=self._box)
         return any(self._lines.is_free(c, q, X_WG, rise) for c in free) and self._lines.is_free(
@@ -151,8 +154,8 @@ class Grasps:
         )
 
 
-class Placements:
-    """Placements of a box on a face. F is T, and the variants are the grasps.
+class PlacementGrid:
+    """Placements of a box on a face, held in any grasp. F is T, and the variants are the grasps.
 
     A variant has the height of G above the face [m], the number of quarter turns from the hand to the box, and the
     distance of G from the box's center along G's x [m].
@@ -170,7 +173,7 @@ class Placements:
         turns = [turn for turn in (0, 1) if self._size[1 - turn] <= MAX_SIDE]
         fitting = (openings(float(self._size[1 - turn]), config.clearances) for turn in turns)
         self._opened = [imagine(self.c, q=HOME, width=each.width, held=None) for some in fitting for each in some]
-        spots = _spots(face.half + max(self._size[turn] for turn in turns) / 2)
+        spots = _list_spots(face.half + max(self._size[turn] for turn in turns) / 2)
         p_WG = (self.X_WF @ np.insert(spots, 2, 0.0, axis=1).T).T
         away = np.linalg.norm(p_WG[:, :2] - world.spec.arm.position[:2], axis=1)
         over = np.maximum(np.abs(spots) - face.half, 0.0).max(axis=1)
@@ -178,9 +181,9 @@ class Placements:
         self.spots = spots[order]
         self.variants: list[tuple[float, ...]] = [
             (float(self._size[2]) - depth, turn, float(x))
-            for depth in _depths(self._size[2])
+            for depth in _list_depths(self._size[2])
             for turn in turns
-            for x in _steps(self._size[turn] / 2)
+            for x in _list_steps(self._size[turn] / 2)
         ]
         easiest = self.variants[0][0]
         self.variants.sort(key=lambda each: abs(each[0] - easiest) + abs(each[2]))
@@ -191,24 +194,24 @@ class Placements:
     def opened(self, *_: object) -> list[Configuration]:
         return self._opened
 
-    def X_WG(self, pose: Pose) -> RigidTransform | None:
+    def X_WG(self, pose: GridPose) -> RigidTransform | None:
         inside = np.all(np.abs(self._middle(pose)) <= self._face.half + _SLACK)
         return hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw) if inside else None
 
-    def _middle(self, pose: Pose) -> FloatArray:
-        """x and y of the box in T, shape (2,) [m]."""
+    def _middle(self, pose: GridPose) -> FloatArray:
+        """Position of the box's center in T, x and y, shape (2,) [m]."""
         return pose.p_FG - pose.variant[2] * np.array([np.cos(pose.yaw), np.sin(pose.yaw)])
 
-    def around(self, pose: Pose, q: FloatArray) -> list[Configuration]:
+    def around(self, pose: GridPose, q: FloatArray) -> list[Configuration]:
         yaw = pose.yaw + pose.variant[1] * np.pi / 2
         X_TU = level_pose(np.array([*self._middle(pose), self._size[2] / 2, yaw]))
         X_WO = to_pose(self.X_WF @ X_TU @ self._X_UO)
         return [imagine(self.c, q=q, width=self._width(pose), held=self._box, moved={self._box: X_WO})]
 
-    def _width(self, pose: Pose) -> float:
+    def _width(self, pose: GridPose) -> float:
         return float(self._size[1 - int(pose.variant[1])])
 
-    def can_follow(self, pose: Pose, q: FloatArray, free: Sequence[Configuration]) -> bool:
+    def can_follow(self, pose: GridPose, q: FloatArray, free: Sequence[Configuration]) -> bool:
         X_WG, above = hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw), self.top - pose.variant[0]
         fitting = openings(self._width(pose), self._config.clearances)
         return any(
@@ -222,29 +225,29 @@ class Placements:
 
 
 def hand_pose(X_WF: RigidTransform, p_FG: FloatArray, height: float, yaw: float) -> RigidTransform:
-    """X_WG of a hand that points down, at a height [m] and a yaw [rad] in a level frame."""
+    """X_WG of a hand that points down, at p_FG, shape (2,) [m], a height [m] and a yaw [rad] in the level frame F."""
     return X_WF @ grasp_in_box(np.array([*p_FG, height, yaw]))
 
 
 def _alone(c: Configuration, box: str) -> Configuration:
-    """c with the box alone and the hand empty: the others, which can be moved, are far away."""
+    """c with an empty hand and no other box: the others can be moved, so they count as far away."""
     return replace(c, poses={name: pose if name == box else _AWAY for name, pose in c.poses.items()}, held=None, x=None)
 
 
-def _steps(half: float) -> FloatArray:
-    """Positions of the grid from -half to half, 0 among them, the middle first [m]."""
+def _list_steps(half: float) -> FloatArray:
+    """List positions of the grid from -half to half [m], 0 among them, the middle first; shape (n,) [m]."""
     count = int(half / GRID_STEP + 1e-6)
     return GRID_STEP * np.array(sorted(range(-count, count + 1), key=abs))
 
 
-def _spots(half: FloatArray) -> FloatArray:
-    """Positions of the grid in a rectangle, the middle first, shape (n, 2) [m]."""
-    spots = np.array(np.meshgrid(*map(_steps, half))).reshape(2, -1).T
+def _list_spots(half: FloatArray) -> FloatArray:
+    """List positions of the grid in a rectangle with half sides of shape (2,) [m], the middle first; shape (n, 2)."""
+    spots = np.array(np.meshgrid(*map(_list_steps, half))).reshape(2, -1).T
     return spots[np.argsort(np.linalg.norm(spots, axis=1), kind="stable")]
 
 
-def _depths(height: float) -> list[float]:
-    """Distances of G below the top of a box at which the pads touch it, the easiest first [m]."""
+def _list_depths(height: float) -> list[float]:
+    """List distances of G below the top of a box of some height [m] at which the pads touch it, the easiest first."""
     depths = np.arange(-PAD_HALF_HEIGHT + GRID_STEP / 2, height, GRID_STEP)
     easy = min(_EASY_DEPTH, height - TIP)  # which keeps the tips off what the box rests on
     return sorted(depths.tolist(), key=lambda depth: abs(depth - easy))

@@ -1,4 +1,4 @@
-"""Placements from which the hand will reach what the plan puts on top later."""
+"""Order of placements that prefers those from which the hand will reach what the plan stacks on top later."""
 
 from collections.abc import Iterator
 from itertools import chain, islice, pairwise, product
@@ -20,14 +20,16 @@ from ictamp_drake.world.world import World
 class Lookahead:
     """Puts off placements that the rest of the plan cannot build on. It drops none.
 
-    The test is kinematics alone: the hand points down at any yaw, and each later box lies wholly on the top face below
-    and is gripped in its middle. A tower that leans towards the arm can be built although it fails the test.
+    The test is kinematics alone: the hand points down, with G's x along W's x, and each later box lies wholly on the
+    top face below and is gripped in its middle. A tower that leans towards the arm can be built although it fails the
+    test.
 
     Args:
         world: The scene.
         arm: Kinematics of its arm.
         random: Sampler of random placements.
-        draws: Number of the sampler's placements asked in one attempt, and then of random ones.
+        draws: Number of placements taken from the action's sampler in one attempt, and then from `random`, before those
+            put off have their turn.
         place: Constants of a placement. They say how far the hand rises above a box.
     """
 
@@ -43,9 +45,9 @@ class Lookahead:
     def sort(
         self, c: Configuration, plan: Skeleton, drawing: Iterator[Parameter | Failure], rng: np.random.Generator
     ) -> Iterator[Parameter | Failure]:
-        """The parameters drawn for the plan's first action from c, with those put off after the others.
+        """Yield the parameters drawn for the plan's first action from c, with those put off after the others.
 
-        Only placements are put off. Before they have their turn, random ones are tried. A failure ends the drawing.
+        Only placements are put off. Random ones come before them. A failure ends the drawing.
         """
         ahead = self._list_ahead(c, plan)
         if not ahead:
@@ -63,11 +65,12 @@ class Lookahead:
         yield from chain(late, drawing)
 
     def _list_ahead(self, c: Configuration, plan: Skeleton) -> list[FloatArray]:
-        """Boxes that the plan later puts on top of the one that its first action places, if it places one.
+        """List the boxes that the plan later stacks on the one that its first action places, if it places one.
 
         Returns:
-            For each later box, how far its center can be from that of the first box along both axes of its top face,
-            and how high the hand has to rise above the bottom of the first box, shape (3,) [m].
+            For each later box, the largest distance of its center from that of the first box along both axes of the
+            first box's upright frame, and the height of G above the bottom of the first box when the hand has risen,
+            shape (3,) [m].
         """
         box, sizes = plan.actions[0].args[0], {name: self._world.upright_frame(c, name).size for name in c.poses}
         ahead = []
@@ -85,7 +88,7 @@ class Lookahead:
         return ahead
 
     def _is_within_reach(self, c: Configuration, receptacle: str, k: Parameter, ahead: FloatArray) -> bool:
-        """Whether the hand reaches each of the boxes ahead, shape (n, 3), somewhere, from the placement k."""
+        """Whether the hand reaches each of the boxes ahead, shape (n, 3) [m], somewhere on the box placed with k."""
         X_WB = self._world.X_WT(c, receptacle) @ level_pose(k)
         spots = np.array([*product((-1, 0, 1), repeat=2)] if ahead[:, :2].any() else [(0, 0)])
         p_BG = np.dstack([ahead[:, None, :2] * spots, np.broadcast_to(ahead[:, 2:], (len(ahead), len(spots)))])

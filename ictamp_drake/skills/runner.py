@@ -27,7 +27,7 @@ class Skills:
         physics: Simulation of the scene.
         sampler: Source of k.
         skills: Skills by the name of their action.
-        lookahead: Order of the parameters drawn, which looks at the rest of the plan; None for the sampler's own.
+        lookahead: Order of the parameters drawn that looks at the rest of the plan; None for the sampler's own order.
         promises: Whether an attempt ends where its skill promises, instead of where physics ends. `execute` runs
             physics later.
     """

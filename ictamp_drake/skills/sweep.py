@@ -1,6 +1,6 @@
 """Sweeps over a grid, to find out whether an action has any grasp or placement at all.
 
-What can be moved is left out: a sweep looks at the arm and the supports alone. It looks for no transfer of the arm.
+Other boxes can be moved, so a sweep looks at the arm and the supports alone. It does not look for transfers of the arm.
 """
 
 from collections import Counter
@@ -17,31 +17,35 @@ from ictamp_drake.motion.columns import OUT_OF_REACH, Columns
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import PickConfig, PlaceConfig
-from ictamp_drake.skills.grid import YAWS, Face, Grasps, Grid, Lines, Placements, Pose, hand_pose
+from ictamp_drake.skills.grid import YAWS, Face, GraspGrid, Grid, GridPose, Lines, PlacementGrid, hand_pose
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
-_MOST = 50_000
-"""Effort that is spent on one scene, at most half of what is left on each action, about 0.1 ms each."""
+_MAX_EFFORT = 50_000
+"""Maximum effort spent on one scene, in units of about 0.1 ms. One action takes at most half of what is left."""
 _COLUMN, _POSE, _POSTURE = 20, 1, 10
 """Effort for a column, a hand pose and a posture."""
 _FIRST = 40
-"""Number of columns that are looked at before reach and obstacles of all of them are computed."""
-_LEVEL = 0.01
-"""Largest tilt of a box whose columns are vertical [rad]."""
+"""Number of columns that are tested before reach and obstacles of all others are computed at once."""
+_MAX_TILT = 0.01
+"""Maximum tilt of a box whose grasps are swept [rad]."""
+_ATTEMPTS = 1000
+"""Maximum number of postures tried for one hand pose: in effect all of them."""
+_BLAMED = 10
+"""Number of postures for each one that is looked at to name an obstacle."""
 
 
 class Sweep:
     """Sweeps over the grasps and placements in a scene."""
 
     def __init__(self, world: World, motion: MotionConfig, pick: PickConfig, place: PlaceConfig) -> None:
-        kinematics = replace(motion.kinematics, attempts=1000)
+        kinematics = replace(motion.kinematics, attempts=_ATTEMPTS)
         self._world, self._pick, self._place = world, pick, place
         self._arm = ArmKinematics(to_transform(world.spec.arm.X_WB), kinematics)
         self._scene = CollisionScene(world, motion.held_shrinkage, 0.0)
         self._lines = Lines(self._arm, self._scene)
         self._columns = Columns(world, self._arm)
-        self._left = _MOST
+        self._left = _MAX_EFFORT
         self._allowed = 0
         self._latest: tuple[object, tuple[float, ...], FloatArray] = (None, (), np.empty(0))
 
@@ -49,15 +53,15 @@ class Sweep:
         """Count the refused grasps of a box where it is in c, by obstacle.
 
         Returns:
-            Number of grasps by the support in their way; those out of reach have an empty name. None if one of them is
-            free, if they are too many to tell, or if the box leans.
+            Number of grasps by the support in their way; OUT_OF_REACH for those out of reach. None if a grasp is
+            free, if there are too many to test, or if the box is tilted.
         """
-        is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_LEVEL)
-        return self._refuse(Grasps(self._world, self._lines, self._pick, c, box)) if is_level else None
+        is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_MAX_TILT)
+        return self._refuse(GraspGrid(self._world, self._lines, self._pick, c, box)) if is_level else None
 
     def refuse_placements(self, c: Configuration, box: str, face: Face) -> Counter[str] | None:
         """Count the refused placements of a box on a face, held in any grasp; see `refuse_grasps`."""
-        return self._refuse(Placements(self._world, self._lines, self._place, c=c, box=box, face=face))
+        return self._refuse(PlacementGrid(self._world, self._lines, self._place, c=c, box=box, face=face))
 
     def _refuse(self, grid: Grid) -> Counter[str] | None:
         self._allowed = self._left // 2
@@ -76,12 +80,12 @@ class Sweep:
 
     def _count_refused(self, grid: Grid) -> Counter[str] | None:
         refused, causes = Counter[str](), dict[tuple[float, ...], str]()
-        poses: Iterable[tuple[FloatArray, float]] = self._open_columns(grid, refused)
+        poses: Iterable[tuple[FloatArray, float]] = self._open_columns(grid, refused)  # drawn on with the first variant
         for variant in grid.variants:
             seen = []
             for p_FG, yaw in poses:
                 known = causes.get(p := tuple(p_FG), OUT_OF_REACH)
-                cause = self._refuse_pose(grid, Pose(p_FG, yaw, variant), known)
+                cause = self._refuse_pose(grid, GridPose(p_FG, yaw, variant), known)
                 if cause is None:
                     return None
                 causes[p] = cause
@@ -92,7 +96,7 @@ class Sweep:
         return +refused
 
     def _open_columns(self, grid: Grid, refused: Counter[str]) -> Iterator[tuple[FloatArray, float]]:
-        """Yield position and yaw of the columns whose upper end is free, and count those that are refused."""
+        """Yield p_FG, shape (2,) [m], and yaw [rad] of columns with a free upper end, and count those refused."""
         for p_FG in self._near_spots(grid, refused):
             self._spend(_COLUMN)
             yaws, found = grid.yaws(p_FG), False
@@ -117,7 +121,7 @@ class Sweep:
         return self._columns.palm.is_free(around[0], q) and any(self._columns.hand.is_free(c, q) for c in around)
 
     def _near_spots(self, grid: Grid, refused: Counter[str]) -> Iterator[FloatArray]:
-        """Yield all spots but those that are far out of reach or inside a support, and count the latter."""
+        """Yield all spots but those that are far out of reach or inside a support, which are counted as refused."""
         yield from grid.spots[:_FIRST]
         spots = grid.spots[_FIRST:]
         if len(spots):
@@ -130,8 +134,8 @@ class Sweep:
                 else:
                     yield p_FG
 
-    def _refuse_pose(self, grid: Grid, pose: Pose, known: str) -> str | None:
-        """Name the obstacle of a hand pose, or the known one of its column; None if the pose is free."""
+    def _refuse_pose(self, grid: Grid, pose: GridPose, known: str) -> str | None:
+        """Name the obstacle of a hand pose, or `known`, the obstacle of its column; None if the pose is free."""
         self._spend(_POSE)
         X_WG = grid.X_WG(pose)
         if X_WG is None:
@@ -149,10 +153,10 @@ class Sweep:
 
         if self._arm.solve(X_WG, HOME, accept) is not None:
             return None
-        return known or self._columns.blame(self._scene, around[-1], postures[::10])
+        return known or self._columns.blame(self._scene, around[-1], postures[::_BLAMED])
 
-    def _turning_postures(self, X_WF: RigidTransform, pose: Pose) -> FloatArray:
-        """`ArmKinematics.turning_postures` of a hand pose, from those of yaw 0, which are kept for the next yaw."""
+    def _turning_postures(self, X_WF: RigidTransform, pose: GridPose) -> FloatArray:
+        """`ArmKinematics.turning_postures` of a pose, shape (m, 7) [rad]; those of yaw 0 are kept for the next yaw."""
         p_FG = *pose.p_FG, pose.variant[0]
         if self._latest[:2] != (X_WF, p_FG):
             self._latest = X_WF, p_FG, self._arm.turning_postures(hand_pose(X_WF, pose.p_FG, pose.variant[0], 0.0))
@@ -162,4 +166,4 @@ class Sweep:
 
 
 class _UndecidedError(Exception):
-    """There is more than can be looked at."""
+    """The sweep takes more effort than is allowed."""

@@ -20,9 +20,9 @@ from ictamp_drake.tamp.task import Task
 
 
 def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...]:
-    """Return reports of the actions that every plan needs and for which no parameter on the grid is free.
+    """Find the actions that every plan needs and for which no parameter on the grid is free, and report on each.
 
-    If the goal has alternatives, one of these actions must be impossible in each of them. Only the package's own skills
+    A goal with alternatives is impossible only if each alternative has such an action. Only the package's own skills
     are swept.
 
     Args:
@@ -35,7 +35,7 @@ def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...
     refuse_grasps = cache(lambda box: sweep.refuse_grasps(task.c, box))
     reports: dict[Action, ActionReport] = {}
     for alternative in task.goal.alternatives:
-        found = list(_Needs(task, alternative, sweep, refuse_grasps).impossible())
+        found = list(_Needs(task, alternative, sweep, refuse_grasps).find_impossible())
         if not found:
             return ()
         reports.update({report.action: report for report in found})
@@ -43,7 +43,7 @@ def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...
 
 
 class _Needs:
-    """Picks from initial poses and placements of the goal that every plan to an alternative needs."""
+    """Picks from initial poses and placements at the goal that every plan to one alternative needs."""
 
     def __init__(
         self,
@@ -59,20 +59,20 @@ class _Needs:
         self._supporter = supporters(task.s)
         self._to_move = boxes_to_move(task.domain, Goal((goal,)), task.s)
 
-    def impossible(self) -> Iterator[ActionReport]:
-        """Yield a report of each needed action that is impossible."""
+    def find_impossible(self) -> Iterator[ActionReport]:
+        """Yield a report on each needed action that is impossible, picks first."""
         for box in sorted(self._to_move):
             if (refused := self._refuse_grasps(box)) is not None:
-                yield _report(Action("pick", (box, self._supporter[box])), refused)
+                yield _make_report(Action("pick", (box, self._supporter[box])), refused)
         placed = [box for box in self._target if box in self._to_move or box == held_box(self._task.s)]
         for box in sorted(placed, key=lambda box: (-len([*objects_beneath(box, self._target)]), box)):  # highest first
-            refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._faces(box)]
+            refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._list_faces(box)]
             known = [each for each in refusals if each is not None]
             if known and len(known) == len(refusals):
-                yield _report(Action("place", (box, self._target[box])), sum(known, Counter[str]()))
+                yield _make_report(Action("place", (box, self._target[box])), sum(known, Counter[str]()))
 
-    def _faces(self, box: str) -> list[Face]:
-        """Places of the box in the goal, one of which it will have; none if they are not known."""
+    def _list_faces(self, box: str) -> list[Face]:
+        """List faces for the box in the goal; it will be placed on one of them. Empty if they are unknown."""
         world, c = self._task.world, self._task.c
         beneath = list(objects_beneath(box, self._target))
         lower = [name for name in beneath if name in world.sizes]
@@ -99,7 +99,8 @@ class _Needs:
         return box in self._supporter and any(self._refuse_grasps(name) is not None for name in above)
 
 
-def _report(action: Action, refused: Mapping[str, int]) -> ActionReport:
+def _make_report(action: Action, refused: Mapping[str, int]) -> ActionReport:
+    """Return the report of an action from its refused parameters by obstacle; an empty name is out of reach."""
     obstacles = Counter({name: count for name, count in refused.items() if name})
     total, hit = sum(refused.values()), obstacles.total()
     failures = Counter({Failure.GOAL_IN_COLLISION: hit, Failure.NO_INVERSE_KINEMATICS: total - hit})
