@@ -63,8 +63,8 @@ class GeometricSampler:
             k = k[np.isfinite(times)][:COMPARED]
             if not len(k):
                 return
-            on_support = action.name == "place" and action.args[1] in self._world.spec.supports
-            yield from k if on_support else k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")]
+            on_box = action.name == "pick" or action.args[1] in self._world.spec.boxes
+            yield from k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")] if on_box else k
 
     def _hand_poses(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
         return hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))

@@ -1,7 +1,7 @@
 """k from the learned policy: several candidates at once, ranked by the critics and by the arm's travel time.
 
-The learned policy may not fit a scene, so random candidates take turns with those of the policy. Where the action is
-beyond what the policy has learned from, candidates from geometry come first.
+The learned policy may not fit a scene, so random candidates take turns with those of the policy. Where an action is
+unlike those in training, candidates from geometry come first.
 """
 
 from collections.abc import Iterator, Mapping
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 LEARNED_SIDES = (0.03, 0.14)
 """Sides of boxes for which the policy works [m]: those of the level `varied`, little more than in training."""
 LEARNED_TOP = 0.14
-"""Shortest side of the top of a support in training [m]."""
+"""Shortest side of the top of a support in training, and of a place for which the policy works [m]."""
 _OUT_OF_REACH = 60.0
 """Travel time assumed for a hand pose that the arm cannot reach [s]."""
 
@@ -58,14 +58,14 @@ class PolicySampler:
             yield from self._best(c, action, observation, random, self._config.belief)
 
     def _applies(self, c: Configuration, action: Action) -> bool:
-        """Whether the policy has learned from boxes and supports of such sizes, with no support above the box."""
+        """Whether the policy has learned from boxes and places of such sizes, with no support above the box."""
         spec, (box, place) = self._world.spec, action.args
         least, most = LEARNED_SIDES
         sides = [side for name in action.args if name in spec.boxes for side in spec.boxes[name].size]
         if min(sides) < least or max(sides) > most:
             return False
         if action.name == "place":
-            return place in spec.boxes or min(spec.supports[place].size[:2]) >= LEARNED_TOP
+            return place in spec.boxes or min(spec.places[place].size[:2]) >= LEARNED_TOP
         return not is_covered(self._world, c, box)
 
     def _best(
