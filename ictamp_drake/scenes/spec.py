@@ -6,6 +6,7 @@ The rooms `world` and `symbolic` check whether boxes overlap or float, and what 
 
 import dataclasses
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -214,12 +215,12 @@ class SceneSpec:
         for kind in self.interference:
             check_choice("interference", kind, INTERFERENCES)
 
-    @property
+    @cached_property
     def areas(self) -> dict[str, Area]:
         """Regions and poses by name."""
         return {**self.regions, **self.poses}
 
-    @property
+    @cached_property
     def places(self) -> dict[str, SupportSpec | Area]:
         """Supports, regions and poses by name."""
         return {**self.supports, **self.areas}
@@ -249,7 +250,7 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
 
 
 def to_dict(spec: SceneSpec) -> dict[str, Any]:
-    """The scene in the types of YAML and JSON. `start`, `regions` and `poses` are left out if they say nothing."""
+    """The scene in the types of YAML and JSON. `start`, `regions` and `poses` are left out by default."""
     values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
     if spec.start == StartSpec():
         del values["start"]

@@ -28,7 +28,7 @@ class Place:
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that places with parameter k from c, or the reason why there is none."""
         planner, (box, receptacle) = self._planner, action.args
-        support = self._world.support_of(receptacle)
+        support = self._world.spec.support_of(receptacle)
         X_WG0 = planner.kinematics.forward(c.q[:7])
         X_GB = held_bottom(self._world, c, box, X_WG0)
         X_WG = placement_pose(self._world, c, receptacle, X_GB, k)

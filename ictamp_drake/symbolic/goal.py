@@ -1,4 +1,4 @@
-"""Goals: alternatives of atoms that must hold and atoms that must not, and how a formula becomes them."""
+"""Goals: alternatives of atoms that must hold and atoms that must not, made from a formula."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from ictamp_drake.symbolic.atoms import LYING, ON
 from ictamp_drake.symbolic.formulas import And, Formula, Not, Or
 
 MAX_ALTERNATIVES = 1000
-"""Maximum number of alternatives of a goal; the guides of the search for plans look at each of them."""
+"""Maximum number of alternatives of a goal. Guides of the search for plans estimate the distance to each."""
 
 _NOTHING = frozenset[Atom]()
 
@@ -22,7 +22,7 @@ class Alternative:
     Attributes:
         atoms: Atoms that must hold.
         absent: Atoms that must not hold.
-        either: Sets of which at least one atom must hold. All atoms of a set say what the same box rests on.
+        either: Sets of atoms; at least one of each must hold. All atoms of a set say what the same box rests on.
     """
 
     atoms: frozenset[Atom] = _NOTHING
@@ -30,7 +30,7 @@ class Alternative:
     either: frozenset[frozenset[Atom]] = frozenset()
 
     def holds(self, state: State) -> bool:
-        """Whether the state is as this alternative wants it."""
+        """Whether the alternative holds in the state."""
         return self.atoms <= state and self.absent.isdisjoint(state) and not any(map(state.isdisjoint, self.either))
 
     def __and__(self, other: "Alternative") -> "Alternative":
@@ -38,12 +38,12 @@ class Alternative:
 
     @property
     def mentioned(self) -> frozenset[Atom]:
-        """All atoms that decide whether the alternative holds."""
+        """Atoms that decide whether the alternative holds."""
         return self.atoms.union(self.absent, *self.either)
 
     @cached_property
     def places(self) -> dict[str, frozenset[str]]:
-        """Possible places of each box, none in a contradiction. Boxes that may be anywhere are absent."""
+        """Possible places by box, an empty set in a contradiction. Boxes that may be anywhere are absent."""
         allowed: dict[str, frozenset[str]] = {}
         one_each = ({atom} for atom in self.atoms if atom.predicate in (ON, LYING))
         for atoms in (*one_each, *self.either):
@@ -54,7 +54,7 @@ class Alternative:
 
     @property
     def targets(self) -> dict[str, str]:
-        """Place of each box that can rest on one thing only, by the name of the box."""
+        """Place by box, for the boxes with one possible place."""
         return {box: place for box, places in self.places.items() if len(places) == 1 for place in places}
 
 
@@ -79,12 +79,12 @@ class Goal:
         return cls(tuple(_alternatives(formula)))
 
     def holds(self, state: State) -> bool:
-        """Whether the goal is reached in the state."""
+        """Whether the goal holds in the state."""
         return any(alternative.holds(state) for alternative in self.alternatives)
 
     @cached_property
     def mentioned(self) -> frozenset[Atom]:
-        """All atoms that decide whether the goal holds."""
+        """Atoms that decide whether the goal holds."""
         return _NOTHING.union(*(alternative.mentioned for alternative in self.alternatives))
 
 
@@ -103,7 +103,7 @@ def _alternatives(formula: Formula) -> list[Alternative]:
             return found
         case Or(parts):
             places, others = _split_places(parts)
-            found = [_anywhere(atoms) for atoms in places]
+            found = [_allow_any(atoms) for atoms in places]
             for part in others:
                 found += _alternatives(part)
                 _check_number(len(found))
@@ -123,7 +123,7 @@ def _split_places(parts: Iterable[Formula]) -> tuple[list[list[Atom]], list[Form
     return list(by_box.values()), others
 
 
-def _anywhere(atoms: list[Atom]) -> Alternative:
+def _allow_any(atoms: list[Atom]) -> Alternative:
     distinct = frozenset(atoms)
     return Alternative(distinct) if len(distinct) == 1 else Alternative(either=frozenset({distinct}))
 

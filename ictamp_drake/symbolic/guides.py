@@ -52,7 +52,7 @@ class BreadthFirstDistance:
                 self._shorten(mask, self._remaining[successor] + 1)
 
     def _reach(self, mask: int) -> None:
-        if self._masks.reach_goal(mask):
+        if self._masks.is_goal(mask):
             self._remaining[mask] = 0
         else:
             self._frontier.append(mask)
@@ -109,11 +109,11 @@ def boxes_to_move(domain: Domain, goal: Goal, state: State) -> frozenset[str]:
 class _Moves:
     """Unavoidable moves to one alternative of a goal.
 
-    A box must move when it is not where the goal wants it, when it is where the goal does not want it or wants another
-    box or none, when the goal wants it in the hand, when it is in the way of an unavoidable action, or when it rests on
-    a box that must move. It must move twice when a box that must move is beneath it both now and in the goal: it has to
-    leave before that box does, and can take its place only afterwards. The last move may end in the hand, unless the
-    goal is only about what boxes rest on.
+    A box must move when it is not where the goal wants it, when the goal excludes it from where it is or wants another
+    box or nothing there, when the goal wants it in the hand, when it is in the way of an unavoidable action, or when it
+    rests on a box that must move. It must move twice when a box that must move is beneath it both now and in the goal:
+    it has to leave before that box does, and can take its place only afterwards. The last move may end in the hand,
+    unless the goal is only about what boxes rest on.
     """
 
     def __init__(self, domain: Domain, goal: Alternative, obstructions: Collection[Obstruction]) -> None:
@@ -129,7 +129,7 @@ class _Moves:
         self._may_end_in_hand = bool(goal.absent) or any(atom.predicate not in (ON, LYING) for atom in goal.atoms)
 
     def count_actions(self, state: State, supporter: dict[str, str]) -> int:
-        """Return a lower bound on the number of actions from the state, given what each box rests on."""
+        """Return a lower bound on the number of actions from the state; `supporter` says what each box rests on."""
         if self._goal.holds(state):
             return 0
         to_move = self.list_to_move(state, supporter)
@@ -141,7 +141,7 @@ class _Moves:
         return max(actions - self._may_end_in_hand, 1)
 
     def list_to_move(self, state: State, supporter: dict[str, str]) -> set[str]:
-        """Return the boxes that every plan to the alternative moves from what they rest on, given by name."""
+        """Return the boxes that every plan to the alternative moves; `supporter` says what each box rests on."""
         unwanted = {atom.args for atom in self._goal.absent & state}
         in_the_way, before = set[str](), None
         while in_the_way != before:

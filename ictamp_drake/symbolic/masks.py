@@ -32,7 +32,7 @@ class Masks:
         """Encode a state, or any other set of atoms, as an integer."""
         return sum([self._bits.get(atom, 0) for atom in state])
 
-    def reach_goal(self, mask: int) -> bool:
+    def is_goal(self, mask: int) -> bool:
         """Whether the goal holds in the state."""
         for decisive, wanted, either in self._goal:
             if mask & decisive == wanted and all(mask & atoms for atoms in either):

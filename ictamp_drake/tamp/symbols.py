@@ -6,7 +6,7 @@ from ictamp_drake.core.types import State
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goal import Goal
-from ictamp_drake.symbolic.goals import parse_goal
+from ictamp_drake.symbolic.goal_reading import parse_goal
 
 
 def goal_of(spec: SceneSpec) -> Goal:

@@ -12,7 +12,7 @@ from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goal import Goal
-from ictamp_drake.symbolic.goals import check_goal
+from ictamp_drake.symbolic.goal_reading import check_goal
 from ictamp_drake.symbolic.guides import boxes_to_move
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
 from ictamp_drake.tamp.symbols import domain_of, goal_of

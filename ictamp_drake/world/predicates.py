@@ -35,7 +35,7 @@ class Scene:
         A box in a region or at a pose is carried by that, and not by the support.
         """
         if (a, b) not in self._carried:
-            support = self.world.support_of(b)
+            support = self.world.spec.support_of(b)
             resting = self.is_above(a, support) and self.is_level(a) and self._is_over_top(a, support)
             self._carried[a, b] = resting and self._area(a, b) == b
         return self._carried[a, b]

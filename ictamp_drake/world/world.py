@@ -20,7 +20,7 @@ ARM, FINGERS = "the arm", ("the left finger", "the right finger")
 """Names of the robot's parts. Names of boxes and supports have no spaces, so they cannot clash."""
 ROBOT = frozenset({ARM, *FINGERS})
 SQUARE = 1e-4
-"""Largest difference of the sides of a square footprint [m]."""
+"""Maximum difference between the sides of a footprint that counts as square [m]."""
 
 
 class Touch(NamedTuple):
@@ -39,7 +39,12 @@ class Touch(NamedTuple):
 
 
 class _Top(NamedTuple):
-    """Top face of a support, or a part of it. It never moves: X_WT and the side lengths along T's x and y [m]."""
+    """Top face of a support, or a region or pose on it, which never moves.
+
+    Attributes:
+        X_WT: Frame in its center, z up.
+        size: Side lengths along T's x and y, shape (2,) [m].
+    """
 
     X_WT: RigidTransform
     size: FloatArray
@@ -67,7 +72,6 @@ class World:
         for name, area in spec.areas.items():
             X_WT = self._tops[area.on].X_WT @ to_transform(area.X_TR)
             self._tops[name] = _Top(X_WT, np.array(area.size))
-        self._support_of = {name: area.on for name, area in spec.areas.items()}
         self._areas = {name: [area for area in spec.areas if spec.areas[area].on == name] for name in spec.supports}
 
     def _name_geometries(self) -> dict[object, str]:
@@ -124,20 +128,17 @@ class World:
         """Return the box as it lies in c."""
         return upright_frame(c.poses[box], self.sizes[box])
 
-    def support_of(self, place: str) -> str:
-        """Return the support that a region or pose is on; any other name is returned unchanged."""
-        return self._support_of.get(place, place)
-
     def area_at(self, place: str, X_WU: RigidTransform, size: FloatArray, margin: float = 0.0) -> str:
-        """Return the region or pose in which a box on the place is; the place itself when it is in none.
+        """Return the region or pose in which a box is, or else its support or the box below it.
 
         Args:
-            place: Support, or a region or pose on it; also a box, which has neither.
+            place: Thing that the box rests on: a support, a region or pose on it, or a box.
             X_WU: Upright frame of the box.
-            size: Side lengths along U's axes [m]; they say which turns make no difference to the box.
-            margin: Amount by which regions and tolerances of position are wider than they are [m].
+            size: Side lengths along U's axes, shape (3,) [m]; they say which turns make no difference to the box.
+            margin: Length by which regions grow on each side, and tolerances of position with them [m]; negative to
+                shrink them.
         """
-        support = self.support_of(place)
+        support = self.spec.support_of(place)
         for name in self._areas.get(support, ()):
             if self._is_in_area(name, X_WU, size, margin):
                 return name

@@ -8,7 +8,7 @@ import pytest
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.scenes.spec import MAX_BOXES, MAX_BYTES, MAX_SUPPORTS, load_scene
-from ictamp_drake.symbolic.goals import parse_goal
+from ictamp_drake.symbolic.goal_reading import parse_goal
 from ictamp_drake.tamp.task import load
 from tests.refusals import refusal
 

@@ -10,7 +10,7 @@ from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.types import State
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goal import Goal
-from ictamp_drake.symbolic.goals import check_goal, parse_goal
+from ictamp_drake.symbolic.goal_reading import check_goal, parse_goal
 from ictamp_drake.symbolic.guides import BreadthFirstDistance, MoveCount
 from tests.symbolic.towers import (
     LEVELS,

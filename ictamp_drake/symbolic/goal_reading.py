@@ -1,4 +1,4 @@
-"""Goals written by a user: PDDL text to a `Goal`, and all checks of a goal before planning starts."""
+"""Reader of goals: PDDL text to a `Goal`, and all checks of a goal before planning starts."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
@@ -61,7 +61,11 @@ def check_goal(goal: Goal, initial: State) -> Goal:
 
 
 def _keep_possible(goal: Goal, reasons: dict[Alternative, Iterator[tuple[str, str]]], text: str = "") -> Goal:
-    """Return the goal without alternatives for which there is a reason against them, if not all are so."""
+    """Return the goal without the alternatives that have a reason against them.
+
+    Raises:
+        IctampError: All of them have one.
+    """
     first = [next(reasons[each], None) for each in goal.alternatives]
     possible = tuple(each for each, reason in zip(goal.alternatives, first, strict=True) if reason is None)
     if not possible:
@@ -72,7 +76,7 @@ def _keep_possible(goal: Goal, reasons: dict[Alternative, Iterator[tuple[str, st
 
 
 def _name_places(formula: Formula, support_of: Mapping[str, str]) -> Formula:
-    """Replace `at`, and `on` and `lying` of a support, by atoms of states; a state has the place in its finest form."""
+    """Replace `at`, and `on` and `lying` of a support, by atoms of states, which name a region or pose if possible."""
     match formula:
         case Atom(predicate, (box, pose)) if predicate == _AT:
             return Or((Atom(ON, (box, pose)), Atom(LYING, (box, pose))))
@@ -142,7 +146,7 @@ def _not_a_goal(problem: str, found: object) -> IctampError:
 
 
 def _contradictions(goal: Alternative, single: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Yield atoms, or boxes, that cannot hold or be there together, and why; `single` are the places for one box."""
+    """Yield atoms or boxes that exclude each other, each with a sentence why; `single` are places for one box."""
     resting = [atom for atom in sorted(goal.atoms) if atom.predicate in (ON, LYING)]
     lifted = [atom for atom in sorted(goal.atoms) if atom.predicate == IN_HAND]
     for atom in resting:
@@ -164,7 +168,7 @@ def _contradictions(goal: Alternative, single: Sequence[str]) -> Iterator[tuple[
 
 
 def _exclusions(goal: Alternative, resting: Sequence[Atom], lifted: Sequence[Atom]) -> Iterator[tuple[str, str]]:
-    """Yield atoms of which one excludes another, and a sentence about them; the places and the held boxes are given."""
+    """Yield atoms of which one excludes another, with a sentence; `resting` and `lifted` say where boxes are to be."""
     if len(lifted) + (Atom(HAND_EMPTY, ()) in goal.atoms) > 1:
         yield _text({*lifted, Atom(HAND_EMPTY, ())} & goal.atoms), "{value} exclude each other"
     for atom in [atom for atom in sorted(goal.atoms) if atom.predicate == CLEAR]:
@@ -179,23 +183,23 @@ def _exclusions(goal: Alternative, resting: Sequence[Atom], lifted: Sequence[Ato
 
 
 def _wrong_postures(goal: Alternative, initial: State) -> Iterator[tuple[str, str]]:
-    """Yield atoms that ask for another posture of a box than it has at the start, and why they cannot be reached."""
+    """Yield atoms that ask for another posture of a box than the initial one, each with a sentence why not."""
     tipped = tipped_boxes(initial)
     for atom in sorted(goal.atoms):
         if atom.predicate in (ON, LYING, UPRIGHT, TIPPED):
             wanted = atom.predicate in (LYING, TIPPED)
             if wanted != (atom.args[0] in tipped):
-                yield _pddl(atom), f"{{value}} cannot be reached: {_why_not(atom.args[0], initial)}"
+                yield _pddl(atom), f"{{value}} cannot be reached: {_explain_posture(atom.args[0], initial)}"
     for atom in sorted(goal.absent):
         if atom.predicate in (UPRIGHT, TIPPED) and (atom.predicate == TIPPED) == (atom.args[0] in tipped):
-            yield f"(not {_pddl(atom)})", f"{{value}} cannot be reached: {_why_not(atom.args[0], initial)}"
+            yield f"(not {_pddl(atom)})", f"{{value}} cannot be reached: {_explain_posture(atom.args[0], initial)}"
     for atoms in sorted(map(sorted, goal.either)):
         box = atoms[0].args[0]
         if all((atom.predicate == LYING) != (box in tipped) for atom in atoms):
-            yield _text(atoms), f"none of {{value}} can be reached: {_why_not(box, initial)}"
+            yield _text(atoms), f"none of {{value}} can be reached: {_explain_posture(box, initial)}"
 
 
-def _why_not(box: str, initial: State) -> str:
+def _explain_posture(box: str, initial: State) -> str:
     tipped = box in tipped_boxes(initial)
     posture, change = ("tipped over", "stands a box up") if tipped else ("upright", "tips a box over")
     return f"{box} is {posture} at the start, and no skill {change}"

@@ -12,7 +12,7 @@ from ictamp_drake.symbolic.context import GeneratorContext
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.expressions import Expression, Group, read
 from ictamp_drake.symbolic.goal import MAX_ALTERNATIVES, Goal
-from ictamp_drake.symbolic.goals import check_goal, parse_goal
+from ictamp_drake.symbolic.goal_reading import check_goal, parse_goal
 from ictamp_drake.symbolic.grounding import expand
 from ictamp_drake.symbolic.pddl import FormulaReader, boxes_domain
 from ictamp_drake.symbolic.skeletons import BreadthFirst
