@@ -13,27 +13,38 @@ from ictamp_drake.models.hand import PAD_HALF_HEIGHT, PAD_HALF_WIDTH
 GRAVITY = 9.81
 """Acceleration of gravity [m/s^2]."""
 LEAST_FORCE = 30.0
-"""Grip force of each finger on boxes that need no more [N]."""
+"""Minimum grip force of each finger [N]."""
 SAFETY = 2.0
-"""Ratio of what friction can bear to the weight that it bears."""
+"""Ratio of the load that friction can bear to the load of a box at rest."""
 LEVER = hypot(PAD_HALF_WIDTH - CONTACT_RADIUS, PAD_HALF_HEIGHT - CONTACT_RADIUS)
-"""Distance of a pad's contact points from its center, at which friction resists a turn of the box [m]."""
+"""Distance of a pad's contact points from its center [m]: the lever arm with which friction resists a turn."""
 
 
 def bearable(force: float, friction: float) -> float:
-    """Largest load that both pads bear by friction with a grip force [N] and the friction of the box.
+    """Return the largest load that both pads bear by friction [N].
 
     The coefficient of two bodies is 2 μ1 μ2 / (μ1 + μ2), as Drake combines them.
+
+    Args:
+        force: Grip force of each finger [N].
+        friction: Coefficient of friction of the box.
     """
     return 2 * force * 2 * friction * PAD.friction / (friction + PAD.friction)
 
 
 def friction_load(p_GO: FloatArray, f_G: FloatArray) -> FloatArray:
-    """Load on the friction of the pads by forces f_G [N] at p_GO [m], shape (3,) and (n, 3) -> (n,) [N].
+    """Return the load on the friction of the pads by forces at a point.
 
-    Forces along the fingers' direction, y, are borne without friction. The force across it and the moment about it add
-    up as two sides of a right angle (Howe and Cutkosky, "Practical Force-Motion Models for Sliding Manipulation",
-    1996).
+    Forces along G's y, the fingers' direction, need no friction. The force across it and the moment about it, divided
+    by the lever arm, add up like the legs of a right triangle (Howe and Cutkosky, "Practical Force-Motion Models for
+    Sliding Manipulation", 1996).
+
+    Args:
+        p_GO: Position of the point in G, shape (3,) [m].
+        f_G: Forces in G, shape (n, 3) [N].
+
+    Returns:
+        Shape (n,) [N].
     """
     moment = np.cross(p_GO, f_G)[:, 1]
     load: FloatArray = np.sqrt(f_G[:, 0] ** 2 + f_G[:, 2] ** 2 + (moment / LEVER) ** 2)
@@ -41,19 +52,19 @@ def friction_load(p_GO: FloatArray, f_G: FloatArray) -> FloatArray:
 
 
 def needed_force(mass: float, friction: float, offset: float = 0.0, safety: float = SAFETY) -> float:
-    """Grip force of each finger that holds a box at rest [N].
+    """Return the grip force of each finger that holds a box at rest [N].
 
     Args:
         mass: Mass of the box [kg].
-        friction: Friction of the box.
-        offset: Distance of the pads from the vertical through the box's center, along G's x [m].
-        safety: Ratio of what friction can bear to the load.
+        friction: Coefficient of friction of the box.
+        offset: Distance of G from the vertical through the box's center, along G's x [m].
+        safety: Ratio of the load that friction can bear to the load of the box.
     """
     return safety * hypot(1.0, offset / LEVER) * mass * GRAVITY / bearable(1.0, friction)
 
 
 def check_weight(mass: float, friction: float, field: str, safety: float = SAFETY) -> None:
-    """Raise IctampError, for the field of a box, when the hand cannot hold it even in the middle."""
+    """Raise IctampError, for the field of a box, when the hand cannot hold it even at its center."""
     force = needed_force(mass, friction, safety=safety)
     if force > MAX_GRIP_FORCE:
         problem = (

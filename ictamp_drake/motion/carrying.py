@@ -1,4 +1,4 @@
-"""Speed at which a box is carried between the fingers, such that it stays where it is in them."""
+"""Speed at which a held box is carried, low enough for it to stay where it is between the fingers."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,15 +11,15 @@ from ictamp_drake.motion.config import CarryingConfig
 from ictamp_drake.motion.trajectory import Trajectory
 
 _MOMENTS = 49
-"""Number of moments of a trajectory that are looked at."""
+"""Number of moments of a trajectory at which loads are computed."""
 _STEP = 1e-3
 """Time step of finite differences [s]."""
 _LEAST_SPARE = 0.02
-"""Least share of the friction that must be left for acceleration. With less, motions would take forever."""
+"""Minimum share of the friction that is left for acceleration. With less, motions would take too long."""
 
 
 class Load(NamedTuple):
-    """A box between the fingers.
+    """Box between the fingers.
 
     Attributes:
         p_GO: Position of its center in G, shape (3,) [m].
@@ -39,14 +39,14 @@ def slow_down(
     time_step: float,
     config: CarryingConfig,
 ) -> Trajectory | None:
-    """The trajectory, slower if the box would slide in the fingers; None if it would do so at any speed.
+    """Return the trajectory, slowed down if the box would slide in the fingers; None if it would slide at any speed.
 
     Args:
         trajectory: Motion of the arm.
-        forward: Function from many joint positions to X_WG, (n, 7) -> (n, 4, 4).
+        forward: Function from joint positions to X_WG, (n, 7) [rad] -> (n, 4, 4).
         box: Box in the hand.
         time_step: Time step of physics [s].
-        config: Constants.
+        config: Constants of the speed.
     """
     times = np.linspace(0.0, trajectory.duration, _MOMENTS)
     R_WG, acceleration, bend = _accelerations(trajectory, forward, box.p_GO, times)
@@ -57,9 +57,9 @@ def slow_down(
     spare = box.bearable / config.reserve - weight
     if np.any(spare < _LEAST_SPARE * box.bearable):
         return None
-    # At a speed lower by a factor, accelerations are lower by its square. Loads add up to no more than their sum.
+    # A speed lower by a factor lowers accelerations by its square. The load of two forces is at most the sum of theirs.
     held = np.sqrt(np.max(push / spare))
-    # A step takes the box along the tangent and the hand along the curve. The difference adds up to this slide.
+    # In each step the box follows the tangent and the hand follows the curve. The difference adds up to this slide.
     slides = np.cumsum(np.einsum("nji,nj->ni", R_WG, bend)[:, [0, 2]], axis=0) * time_step / 2 * times[1]
     followed = np.linalg.norm(slides, axis=1).max() / config.slide
     return trajectory.slowed(max(1.0, held, followed))
@@ -68,7 +68,12 @@ def slow_down(
 def _accelerations(
     trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], p_GO: FloatArray, times: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """R_WG, shape (n, 3, 3), acceleration of the box's center in W, and the part due to the curved path, (n, 3)."""
+    """Compute motion at times, shape (n,) [s], by finite differences.
+
+    Returns:
+        R_WG, shape (n, 3, 3), the acceleration of the box's center in W, and the part of it that is due to the curve of
+        the path, both of shape (n, 3) [m/s^2].
+    """
     q, v, a = trajectory.derivatives(times)
     along, across = _STEP * v, _STEP**2 / 2 * a
     X_WGs = forward(np.concatenate([q, q + along + across, q - along + across, q + along, q - along]))

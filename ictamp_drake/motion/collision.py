@@ -53,7 +53,7 @@ class CollisionScene:
         held_shrinkage: Length by which the held box is smaller on every side, so that resting contact is not a
             collision [m].
         padding: Largest padding for which `is_free` is quick [m].
-        without: Names of bodies of the arm that collide with nothing.
+        without: Names of links of the arm that are left out of all collisions.
     """
 
     def __init__(
@@ -159,7 +159,7 @@ class _Shapes:
         self._filters.Apply(declaration)
 
     def _leave_only_collision_shapes(self, without: Collection[str]) -> None:
-        """Remove all other shapes, which every query would move, too, and those of some bodies."""
+        """Remove all other shapes, which every query would move too, and the shapes of the links in `without`."""
         inspector = self._inspector()
         for geometry in inspector.GetAllGeometryIds():
             if inspector.GetProximityProperties(geometry) is None or self.name(geometry) in without:

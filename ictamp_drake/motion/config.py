@@ -138,10 +138,10 @@ class CarryingConfig:
     """Constants of the speed at which a box is carried.
 
     Attributes:
-        reserve: Minimum ratio of what the friction of the fingers can bear to what it bears. Motions that would go
-            below it are slowed down.
-        slide: Longest slide of a held box that the time step of physics may cause in one motion [m]. Motions in which
-            it would be longer are slowed down.
+        reserve: Minimum ratio of the load that the friction of the fingers can bear to the load of the moving box. A
+            motion with a lower ratio is slowed down.
+        slide: Longest slide of a held box in the fingers that the time step of physics may cause in one motion [m]. A
+            motion with a longer slide is slowed down.
     """
 
     reserve: float = 1.25

@@ -140,10 +140,10 @@ class MotionPlanner:
         return Refusal.from_contact(Failure.NO_PATH, self._first_contact(c, free, padding))
 
     def carry(self, c: Configuration, *trajectories: Trajectory) -> tuple[Trajectory, ...] | Refusal:
-        """Trajectories with the box in the hand of c, slower where it would slide in the fingers.
+        """Slow trajectories down so that the box in the hand of c does not slide between the fingers.
 
         Returns:
-            TOO_HEAVY when it would slide at any speed.
+            One trajectory for each, or a refusal, TOO_HEAVY, when the box would slide at any speed.
         """
         assert c.held is not None
         box = self._world.spec.boxes[c.held]

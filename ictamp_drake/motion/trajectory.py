@@ -53,12 +53,12 @@ class Trajectory:
         return np.asarray(self._spline(times))
 
     def derivatives(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Joint positions, velocities and accelerations at times, shape (m,) [s], each of shape (m, 7)."""
+        """Joint positions [rad], velocities and accelerations at times, shape (m,) [s], each of shape (m, 7)."""
         first, second = self._spline.derivative(1), self._spline.derivative(2)
         return self.positions(times), np.asarray(first(times)), np.asarray(second(times))
 
     def slowed(self, factor: float) -> "Trajectory":
-        """The trajectory along the same way in a time that is longer by a factor."""
+        """The trajectory along the same way, longer in time by a factor of at least 1."""
         return self if factor == 1 else Trajectory(self.order, factor * self.knots, self.control_points)
 
     def reversed(self) -> "Trajectory":

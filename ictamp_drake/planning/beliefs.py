@@ -70,8 +70,8 @@ class Beliefs(Generic[C]):
     def learn(self, tree: Tree[C], step: Step[C]) -> None:
         """Learn from an attempt; a failed one counts once for each k it tried.
 
-        A success that finished a plan counts as a failure if the plan was then rejected as a whole, and so does one
-        that can no longer lead to a better plan than that which was found. When physics refutes a step, its earlier
+        A success that finished a plan counts as a failure if the plan was then rejected as a whole. So does a success
+        that can no longer lead to a better plan than the best one found. When physics refutes a step, its earlier
         success is withdrawn.
         """
         attempt, lineage = step.attempt, tree.lineage(step.node)

@@ -63,7 +63,7 @@ class Verified(Generic[C]):
 
 @dataclass(frozen=True)
 class PlanFound(Generic[C]):
-    """A verified plan is the best so far, and the search goes on for a better one.
+    """A verified plan is the best so far, and the search goes on.
 
     Attributes:
         path: Attempts from the root to the goal.

@@ -54,8 +54,8 @@ class PlannerConfig:
         budget: Limits after which the search gives up.
         max_expansions: Limit of the plan generator's expansions in one call (Algorithm 3, line 1).
         rule: Selection rule.
-        improve: Time after the first plan in which the search goes on for one with fewer skills or, with as many, a
-            shorter time of execution [s]. It has no other limit than this one and those on steps.
+        improve: Time after the first plan in which the search goes on for a better one: one with fewer skills or, with
+            as many, a shorter execution [s]. The limit of steps holds there too.
     """
 
     budget: Budget = Budget()
@@ -142,7 +142,7 @@ class Planner(Generic[C]):
         try:
             reason = self._search(start + budget.seconds, None if limit is None else cpu_start + limit)
             end = self.clock() + self.config.improve
-            while reason is StopReason.SOLVED and self._goes_on(start, cpu_start):
+            while reason is StopReason.SOLVED and self._keep_and_go_on(start, cpu_start):
                 reason = self._search(end, None)
         except KeyboardInterrupt:
             reason = StopReason.STOPPED
@@ -151,7 +151,7 @@ class Planner(Generic[C]):
         if found:
             reason, candidate, spent = StopReason.SOLVED, found[-1].node, found[0]
         else:
-            spent = self._spend(start, cpu_start, ROOT)
+            spent = self._measure(start, cpu_start, ROOT)
         geometric = None if self._geometric_at is None else self._geometric_at - cpu_start
         return PlanningResult(
             tree=self.tree,
@@ -164,17 +164,18 @@ class Planner(Generic[C]):
             found=found,
         )
 
-    def _goes_on(self, start: float, cpu_start: float) -> bool:
+    def _keep_and_go_on(self, start: float, cpu_start: float) -> bool:
         """Keep the verified plan that was just found, and say whether to look for a better one."""
         node = self._finished[-1]
-        self._found.append(self._spend(start, cpu_start, node))
+        self._found.append(self._measure(start, cpu_start, node))
         if not self.config.improve or not self.tree.nodes[node].depth:
             return False
         self.tree.keep_better(node)
         self._tell(PlanFound(self.tree.path(node), self._found[-1].seconds))
         return True
 
-    def _spend(self, start: float, cpu_start: float, node: int) -> Found:
+    def _measure(self, start: float, cpu_start: float, node: int) -> Found:
+        """Return the node with the time and effort since the start of the search."""
         seconds, cpu_seconds = self.clock() - start, self.cpu_clock() - cpu_start
         return Found(node, seconds, cpu_seconds, self._seconds_by_stage(), len(self.tree.log))
 
@@ -230,6 +231,7 @@ class Planner(Generic[C]):
         return child
 
     def _can_be_best(self, node: Node[C]) -> bool:
+        """Whether the plan that ends in this node is better than those before; if not, file it as rejected."""
         better = self.tree.can_be_best(node)
         if not better:
             self.tree.candidates[node.index] = False

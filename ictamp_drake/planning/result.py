@@ -68,7 +68,7 @@ class ActionReport:
 
 @dataclass(frozen=True)
 class Found:
-    """A verified plan that is better than all before.
+    """Verified plan that is better than all before, and the time and effort until it was found.
 
     Attributes:
         node: Number of the node at the goal.
@@ -102,8 +102,8 @@ class PlanningResult(Generic[C]):
             found.
         geometric_time_s: Processor time from the start until the first plan was finished, before any of its steps ran
             in physics [s]. None when no plan was finished, or when each step runs in physics at once.
-        impossible: Reports of actions that every plan needs and for which no parameter on a grid is free. There was no
-            search.
+        impossible: Reports of actions that every plan needs and for which no parameter on a grid is free. If there are
+            any, there was no search.
         found: Verified plans in order, each better than the one before.
     """
 
@@ -179,7 +179,7 @@ class PlanningResult(Generic[C]):
 
     @property
     def _log(self) -> list[Opening | Step[C]]:
-        """Log of the tree, up to the first plan if there is one."""
+        """Log of the tree, up to the first verified plan if there is one."""
         return self.tree.log[: self.found[0].entries] if self.found else self.tree.log
 
     @property

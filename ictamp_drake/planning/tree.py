@@ -95,8 +95,8 @@ class Tree(Generic[C]):
         plans: Every known plan, opened ones and suffixes, in order of appearance.
         holders: Numbers of the nodes that hold each plan.
         log: Openings and steps in chronological order.
-        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified; False also for a
-            plan that is no better than one before.
+        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified. False also means
+            that an earlier plan was as good.
         refuted: Nodes that physics did not reach, and all nodes below them; `holders` no longer lists them.
         exhausted: True when there are no further plans.
     """
@@ -218,23 +218,23 @@ class Tree(Generic[C]):
         return step
 
     def keep_better(self, node: int) -> None:
-        """Keep, as plans to run, only those that can be better than the plan that ends in this node.
+        """Leave only such plans to run that can be better than the plan that ends in this node.
 
-        Better is what has fewer skills or, with as many, takes less time to execute.
+        A better plan has fewer skills or, with as many, a shorter execution.
         """
         self._best = self._measure(self.nodes[node])
         for plan, holders in zip(self.plans, self.holders, strict=True):
             holders[:] = [holder for holder in holders if self.can_be_best(self.nodes[holder], plan)]
 
     def can_be_best(self, node: Node[C], plan: Skeleton | None = None) -> bool:
-        """Whether the plan that leads to the node, continued by `plan`, can be better than those that were kept."""
+        """Whether the way to the node, continued by `plan`, can be better than the best plan so far."""
         if self._best is None:
             return True
         skills, duration = self._measure(node)
         return (skills + len(plan.actions if plan else ()), duration) < self._best
 
     def serves(self, step: Step[C]) -> bool:
-        """Whether a step succeeded and what it led to was neither rejected as a whole nor too long to be the best."""
+        """Whether a step succeeded and its child can still lead to a plan that is neither rejected nor too long."""
         if step.child is None:
             return False
         child = self.nodes[step.child]

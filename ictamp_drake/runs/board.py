@@ -15,8 +15,8 @@ from ictamp_drake.planning.events import Event, PlanFound, PlanOpened, StepDone,
 _TEXT = 80
 
 
-def _look_away() -> None:
-    """Ignore what was found, since another process follows the board."""
+def _ignore() -> None:
+    """Do nothing: the process that shows the board looks at it by itself."""
 
 
 class _Slot(ctypes.Structure):
@@ -57,11 +57,11 @@ class Board:
     """One slot for each problem, and a stop flag.
 
     Attributes:
-        watch: Function that is called with each plan that a search in this process found and goes on from.
+        watch: Function that is called each time that a search in this process finds a plan and goes on.
     """
 
     def __init__(self, context: SpawnContext, count: int) -> None:
-        self.watch: Callable[[], None] = _look_away
+        self.watch: Callable[[], None] = _ignore
         self._slots = context.RawArray(_Slot, count)
         self._stopping = context.RawValue(ctypes.c_bool, False)
         self._url = context.RawArray(ctypes.c_char, _TEXT)

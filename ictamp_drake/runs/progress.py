@@ -55,7 +55,7 @@ class Progress:
             self._live.stop()
 
     def __call__(self, board: Board, records: Sequence[Record]) -> None:
-        """Show new records, and new plans of searches that go on; refresh the display. See `sweep.Watch`."""
+        """Show new records, and new plans of searches that go on, and refresh the display. See `sweep.Watch`."""
         self._board = board
         for running in board.list_running():
             if running.found > self._told.get(running.slot, 0):

@@ -61,9 +61,9 @@ class Record:
         failures: Number of failed low-level steps by cause.
         rejections: Number of rejected parameters k by cause, without the last k of each step.
         seconds_by_stage: Computing time by stage [s]. "setup" is loading and building the scene.
-        found: Plans in the order in which they were found, with --improve: of each its number of skills, the duration
-            of its motions [s], and the planning time by then [s]. `plan_length` and `plan_duration_s` are those of the
-            last one, the best. All other times and counts end with the first one.
+        found: Plans in the order in which they were found, with --improve: for each its number of skills, the duration
+            of its motions [s], and the planning time until then [s]. `plan_length` and `plan_duration_s` are those of
+            the last one, the best. All other times and counts end with the first one.
         stuck: Whether boxes were in the way of blocked actions, and the planner never asks for plans that move them.
         replay_time_s: Computing time of one execution of the found plan [s]. None when unsolved. Earlier versions
             executed the plan a second time for this, with the whole scene awake and recorded.

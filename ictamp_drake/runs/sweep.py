@@ -97,7 +97,7 @@ class _Sweep:
 
     def _submit(self, engine: Engine, slot: int) -> Future[Finished | None]:
         job = self.jobs[slot]
-        timeout = job.method.longest + self.conduct.grace
+        timeout = job.method.total_time_limit + self.conduct.grace
         task = partial(begin_job, folder=self.folder / job.name) if self.inline else run_job
         return engine.submit(task, slot if self.shared else 0, job, self.conduct.artefacts, timeout=timeout)
 
@@ -140,7 +140,7 @@ class _Sweep:
         self.board.finish(slot)
         job = self.jobs[slot]
         if isinstance(error, TimeoutError):
-            seconds = job.method.longest + self.conduct.grace
+            seconds = job.method.total_time_limit + self.conduct.grace
             return job.make_failure_record(HUNG, seconds, f"ended after {seconds:g} s")
         twice = " for the second time" if slot in self._repeated else ""
         return job.make_failure_record(CRASHED, self.board.seconds(slot), f"the process died{twice}: {error!r}")

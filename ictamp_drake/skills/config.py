@@ -200,7 +200,7 @@ class PickConfig:
 
     Attributes:
         force: Minimum grip force of each finger [N]. A heavy or smooth box is gripped harder, up to the hand's limit.
-        safety: Ratio of what the friction of the fingers can bear to the weight of the box, with which it is gripped.
+        safety: Ratio of the load that the friction of the fingers can bear to the load of the box at rest.
         clearances: Distances between box and fingers as the hand comes down [m]. The first one that the neighbors leave
             room for is used.
         margin: Height of the finger tips above the box before they are lowered [m].
@@ -256,8 +256,8 @@ class SkillsConfig:
 
     Attributes:
         draws: Maximum number of parameters k drawn in one attempt until one has a motion. 1 is as in the paper.
-        look_ahead: Number of drawn placements, and then of random ones, among which an attempt prefers those where the
-            hand will reach what the plan puts on top later. 0 does not look ahead.
+        look_ahead: Number of the sampler's placements, and then of random ones, among which an attempt prefers those
+            from which the hand will reach what the plan stacks on top later. 0 turns looking ahead off.
         pick: Constants of ψ_pick.
         place: Constants of ψ_place.
         motion: Constants of motion planning.

@@ -32,7 +32,7 @@ class Pick:
         """The motion that grasps with parameter k from c, or the reason why there is none."""
         planner, box = self._planner, action.args[0]
         X_WG = grasp_pose(self._world, c, box, k)
-        force = self._grip_force(box, float(squared_grasp(k).translation()[0]))
+        force = self._choose_force(box, float(squared_grasp(k).translation()[0]))
         if isinstance(force, Refusal):
             return force
         grasp = GripperCommand(grip_width(self._world, c, box, k[3]), force)
@@ -58,8 +58,8 @@ class Pick:
             lifting[0].segment("lift", grasp, {box}),
         )
 
-    def _grip_force(self, box: str, offset: float) -> float | Refusal:
-        """Grip force of each finger [N] that holds the box `offset` [m] beside its center."""
+    def _choose_force(self, box: str, offset: float) -> float | Refusal:
+        """Return the grip force of each finger [N] that holds the box at `offset` [m] from its center."""
         spec, config = self._world.spec.boxes[box], self._config
         least = needed_force(spec.mass, spec.friction, safety=config.safety)
         if least > MAX_GRIP_FORCE:

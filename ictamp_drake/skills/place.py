@@ -59,7 +59,7 @@ class Place:
         )
 
     def _carry(self, c: Configuration, lower: Trajectory, rng: np.random.Generator) -> tuple[Trajectory, ...] | Refusal:
-        """The way to where the hand is lowered, and that of lowering it, as fast as the grip allows."""
+        """Return the transfer to the start of lowering, and lowering itself, as fast as the grip allows."""
         transfer = self._planner.transfer(c, c.commanded, lower.start, rng)
         return transfer if isinstance(transfer, Refusal) else self._planner.carry(c, transfer.trajectory, lower)
 

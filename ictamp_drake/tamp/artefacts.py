@@ -32,7 +32,7 @@ def write_result(solution: Solution, folder: Path) -> None:
 
 
 def keep_plan(task: Task, method: Method, folder: Path, event: Event) -> None:
-    """Write plan.yaml, in place of an earlier one, at the event that a plan was found and the search goes on."""
+    """Write plan.yaml, in place of an earlier one, when the event is that a plan was found and the search goes on."""
     if isinstance(event, PlanFound):
         folder.mkdir(parents=True, exist_ok=True)
         write_plan(Plan(task.spec, task.c, event.path, Origin.of(method)), folder / "plan.yaml", task.abstraction)

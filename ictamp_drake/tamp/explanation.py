@@ -23,7 +23,7 @@ _SWEPT: Mapping[Cause, str] = {
     Failure.NO_INVERSE_KINEMATICS: "out of reach",
     Failure.GOAL_IN_COLLISION: "in collision",
 }
-"""Causes of refusals in a sweep, which looks at many parameters and at all postures."""
+"""Words for causes in a sweep, which tests all parameters on a grid and all postures of the arm."""
 _SLOW_GENERATOR = 0.25
 """Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
@@ -36,7 +36,7 @@ class Blocked:
         action: The action, e.g. pick(red_box, rack).
         refusals: Number of refused parameters k by cause, the most frequent first.
         obstacles: Number of refused k by the name of the obstacle that the arm or the held box would have touched.
-        swept: Whether these are all k on a grid, so that the action is impossible.
+        swept: Whether these are all k on a grid, so that the action counts as impossible.
     """
 
     action: str
@@ -111,7 +111,7 @@ class Explanation:
         scene: "SceneSpec | None" = None,
         rule: RuleConfig | None = None,
     ) -> "Explanation":
-        """Return the explanation of a search in a scene, by a rule, that took `planning_time_s` [s]."""
+        """Return the explanation of a search that took `planning_time_s` [s], in a scene, by a selection rule."""
         boxes = scene.boxes.keys() if scene else ()
         swept = result.stop_reason is StopReason.IMPOSSIBLE
         return cls(

@@ -153,17 +153,18 @@ class Method:
         cpu_limit: Limit of the processor time of one problem, over the same span [s]. By default there is none. A
             result with this limit, and a time limit that is far away, does not depend on what else the machine does.
         max_steps: Maximum number of low-level steps of one problem.
-        improve: Time after the first plan in which the search goes on for one with fewer skills or, with as many, a
-            shorter time of execution [s]. The limits of time above hold until the first plan.
+        improve: Time after the first plan in which the search goes on for a better one: one with fewer skills or, with
+            as many, a shorter execution [s]. The limits of time and of processor time hold until the first plan.
         seed: Random seed of the search.
         sampler: Source of the skill parameters k.
         estimator: Source of P, the estimated probability that a step succeeds.
         generator: Order in which high-level plans are found.
-        planner: Rule that chooses the next computational action; completion-tree is the rule of the paper. els (unless
-            weighted), round-robin and uniform use no estimator, and stap uses STAP's product of Q along the plan.
+        planner: Rule that chooses the next computational action; completion-tree is the rule of the paper, and adaptive
+            is ours. els (unless weighted), round-robin and uniform use no estimator, and stap uses STAP's product of Q
+            along the plan.
         max_expansions: Maximum number of nodes expanded in one call for a new high-level plan (Algorithm 3, line 1).
-        sweep: Whether to sweep, before the search, the grasps and placements that every plan needs over a grid of 5 mm
-            and 10 deg, among the supports alone. Where an action has none, there is no search.
+        sweep: Whether all grasps and placements that every plan needs are tested before the search, on a grid of 5 mm
+            and 10 deg and among the supports alone. When an action has none, there is no search.
         verify: Test of a found plan, whose skills were executed one after the other already. none: no further test.
             awake: another execution, in a fresh simulator in which no box sleeps. fine: the same in steps of 1 ms.
         execution: Time at which physics runs the skills. each-step: at once, so that the search continues from the
@@ -269,8 +270,8 @@ class Method:
         return replace(self.physics, sleep=False, time_step=step)
 
     @property
-    def longest(self) -> float:
-        """Time after which a problem is due to be over, whether it was solved or not [s]."""
+    def total_time_limit(self) -> float:
+        """Longest time of one problem, the time for a better plan included [s]."""
         return self.time_limit + self.improve
 
     @property
@@ -278,7 +279,7 @@ class Method:
         """All options that affect the result: all but the constants of parts that are not chosen."""
         values, rule = dataclasses.asdict(self), self.rule_config
         if not self.improve:
-            del values["improve"]  # as in the runs of versions without it
+            del values["improve"]  # runs of versions without this option compare equal
         for option, (chosen, known) in self._choices().items():
             if not isinstance(chosen, str):
                 values[option] = name_part(chosen)

@@ -91,12 +91,13 @@ def solve(
     stop: Callable[[], bool] = lambda: False,
     **options: Any,
 ) -> Solution:
-    """Search until a plan is found and executed, or the budget is spent. A goal that holds already takes no budget.
+    """Search until a plan is found and executed, or the budget is spent.
+
+    A goal that holds already is reached by the empty plan, whatever the budget. With `sweep`, there is no search when
+    an action that every plan needs is impossible. With `improve`, the search goes on after the first plan.
 
     Drake's diagrams refer to each other, so only `gc.collect()` frees those of earlier solutions. Call it once per
     problem in a loop of your own, which otherwise grows by some megabytes a problem; runs of this package do so.
-
-    With `sweep`, there is no search if an action that every plan needs is impossible.
 
     Args:
         task: Task to solve.
@@ -137,13 +138,13 @@ def solve(
         stop=stop,
     )
     before, setup = task.setup_time_s + perf_counter() - started, task.setup_cpu_time_s + process_time() - cpu_started
-    result = planner.run() if not impossible else _no_search(task, impossible)
+    result = planner.run() if not impossible else _refuse(task, impossible)
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
     planning, cpu_time = before + result.planning_time_s, setup + result.cpu_time_s
     return Solution(task, result, planning, cpu_time, setup, geometric, method)
 
 
-def _no_search(task: Task, impossible: tuple[ActionReport, ...]) -> PlanningResult[Configuration]:
+def _refuse(task: Task, impossible: tuple[ActionReport, ...]) -> PlanningResult[Configuration]:
     return PlanningResult(Tree(task.c, task.s), StopReason.IMPOSSIBLE, 0.0, 0.0, {}, None, impossible=impossible)
 
 

@@ -1,4 +1,4 @@
-"""Symbolic side of a scene: its goal, and its ground domain."""
+"""Symbolic side of a scene: its goal and its ground domain."""
 
 import math
 
@@ -20,7 +20,7 @@ def goal_of(spec: SceneSpec) -> Goal:
 
 
 def domain_of(spec: SceneSpec, state: State) -> Domain:
-    """Return the actions of a scene, those on roomy places first; the state says which boxes are upright.
+    """Ground the domain of a scene, with roomy places first; the state says which boxes are upright.
 
     Raises:
         IctampError: The name of an object is taken, or a box of the state is not in exactly one place.

@@ -94,7 +94,7 @@ def prepare(spec: SceneSpec, method: Method = SCENE_METHOD, where: str = "the sc
 
 
 def check_weights(spec: SceneSpec, boxes: Iterable[str], method: Method) -> None:
-    """Raise IctampError when the hand cannot hold one of the boxes, with the safety of the method's own pick."""
+    """Raise IctampError when the hand cannot hold one of the boxes with the safety of the method's pick."""
     if isinstance(method.skills.pick, PickConfig):
         for name in sorted(boxes):
             box = spec.boxes[name]

@@ -35,17 +35,15 @@ SKIN = 5e-5
 or return random directions, and resting boxes should count as separate."""
 
 AREA_HEIGHT = 0.001
-"""Thickness of the rectangles that show regions and poses [m]; half of it is above the support."""
+"""Thickness of the rectangles that show regions and poses [m]. Half of it is above the support."""
 AREA_COLOR = (0.95, 0.75, 0.25)
-"""Color of these rectangles."""
+"""Color of these rectangles: red, green, blue from 0 to 1."""
 
 FINEST_RIM = 0.0075
 """Smallest distance between two contact points along the rim of a support [m]."""
 Shapes = Literal["contact", "solid", "visible"]
-"""Shapes that bodies get: those that collide, those without the small contact spheres, or those that are drawn.
-
-The spheres serve contact physics, not kinematics.
-"""
+"""Shapes that bodies get: all that collide (contact), those without the small contact spheres (solid), which serve
+physics and not kinematics, or those that are drawn (visible)."""
 _OTHERS: Mapping[Shapes, re.Pattern[str]] = {
     "contact": re.compile(r"<visual\b.*?</visual>", re.DOTALL),
     "solid": re.compile(r'<visual\b.*?</visual>|<collision name="\w*contact\w*".*?</collision>', re.DOTALL),

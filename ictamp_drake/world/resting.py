@@ -15,23 +15,23 @@ _BOTTOM: FloatArray = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (-0.5,))))
 
 
 class _Beneath(NamedTuple):
-    """Receptacle below a box, and how the box stands to its top face; all in [m].
+    """Receptacle below a box, and the box's position relative to its top face.
 
     Attributes:
-        gap: Height of the box's lowest corner above the top face.
-        out: Distance of the box's center beyond the edge, negative inside.
-        overhang: Distance of the box's outermost corner beyond the edge.
+        gap: Height of the box's lowest corner above the top face [m].
+        beyond: Distance of the box's center beyond the edge [m], negative inside.
+        overhang: Distance of the box's outermost corner beyond the edge [m].
         name: Name of the receptacle.
     """
 
     gap: float
-    out: float
+    beyond: float
     overhang: float
     name: str
 
 
 def explain_loose(world: World, c: Configuration, box: str, config: PredicateConfig) -> str:
-    """Say what keeps the box from being carried: its tilt, the gap below it, or its overhang, and what is accepted."""
+    """Say why nothing carries the box: its tilt, the gap below it, or its overhang, and what is accepted."""
     lying = world.upright_frame(c, box)
     tilt = float(np.arccos(np.clip(lying.X_WU.rotation().matrix()[2, 2], -1.0, 1.0)))
     if tilt > config.tilt:
@@ -39,11 +39,11 @@ def explain_loose(world: World, c: Configuration, box: str, config: PredicateCon
     beneath = _find_beneath(world, c, box, lying, -config.contact)
     touching = [each for each in beneath if each.gap <= config.contact]
     if touching:
-        nearest = min(touching, key=lambda each: each.out)
-        if nearest.out <= 0:
+        nearest = min(touching, key=lambda each: each.beyond)
+        if nearest.beyond <= 0:
             return f"{box} does not stand flat on {nearest.name}"
         edge = f"{box} overhangs the edge of {nearest.name} by {show_length(nearest.overhang)}"
-        return f"{edge}, its center by {show_length(nearest.out)}, expected a center inside the edge"
+        return f"{edge}, its center by {show_length(nearest.beyond)}, expected a center inside the edge"
     if beneath:
         nearest = min(beneath)
         gap, most = show_length(nearest.gap), show_length(config.contact)
@@ -61,7 +61,7 @@ def _show_angle(angle: float) -> str:
 
 
 def _find_beneath(world: World, c: Configuration, box: str, lying: Upright, least: float) -> list[_Beneath]:
-    """Everything whose outline meets that of the box, and whose top is at least `least` [m] below it."""
+    """Find what has an outline that meets the box's, and a top at least `least` [m] below it."""
     found = []
     for name in sorted({*world.spec.boxes, *world.spec.supports} - {box}):
         half = world.top_size(c, name) / 2
@@ -69,6 +69,6 @@ def _find_beneath(world: World, c: Configuration, box: str, lying: Upright, leas
         corners = (X_TU @ (_BOTTOM * lying.size).T).T
         low, high, gap = corners.min(axis=0)[:2], corners.max(axis=0)[:2], float(corners[:, 2].min())
         if np.all(low < half) and np.all(high > -half) and gap >= least:
-            out = float(np.max(np.abs(X_TU.translation()[:2]) - half))
-            found.append(_Beneath(gap, out, float(np.max(np.abs(corners[:, :2]) - half)), name))
+            beyond = float(np.max(np.abs(X_TU.translation()[:2]) - half))
+            found.append(_Beneath(gap, beyond, float(np.max(np.abs(corners[:, :2]) - half)), name))
     return found
