@@ -185,7 +185,7 @@ class _Course:
         here, failed = 0, 0
         numbers = count()
         for _ in range(self._config.states):
-            step = self._step(self._met[here])
+            step = self._draw_step(self._met[here])
             tried = []
             for source in self._round():
                 number = next(numbers)
@@ -214,7 +214,7 @@ class _Course:
             else:
                 yield str(self._rng.choice(names, p=np.divide(weights, sum(weights))))
 
-    def _step(self, c: Configuration) -> Skeleton:
+    def _draw_step(self, c: Configuration) -> Skeleton:
         """Draw an applicable action, as a plan of one step."""
         options = list(self._successors(c))
         supports = self._world.spec.supports

@@ -28,7 +28,7 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
     """
     fields, hints = _fields(schema)  # type: ignore[arg-type]  # a class can be hashed
     if "on" in fields and isinstance(raw, dict):
-        raw = {"on" if key is True else key: value for key, value in raw.items()}  # as YAML reads on
+        raw = {"on" if key is True else key: value for key, value in raw.items()}  # YAML reads the key on as True
     values = {}
     for written, value in mapping(raw, where).items():
         name = written if written in fields else respell(written)

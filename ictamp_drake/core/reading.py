@@ -87,7 +87,7 @@ def read_bytes(path: Path | str, limit: int | None = None) -> bytes:
             content = file.read(limit + 1)
     except OSError as error:
         raise IctampError(Code.NOT_READABLE, f"cannot be read: {error.strerror}", file=path) from error
-    except ValueError as error:  # a path with NUL
+    except ValueError as error:  # a NUL character in the path
         name = str(path).replace("\0", "\\0")
         raise IctampError(Code.NOT_READABLE, f"cannot be read: {error}", file=name) from error
     if len(content) > limit:

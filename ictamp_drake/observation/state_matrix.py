@@ -208,9 +208,9 @@ class Observer:
         return self._observation(situations, rows, situations.targets(steps))
 
     def _hidden(self, first: Numbers, place: Numbers) -> Numbers:
-        """Return the objects that are not among the others: the first ones, regions and poses, and the place's support.
+        """Return the objects that no further row shows: those of the first rows, the place's support, and all areas.
 
-        So a region or pose is seen only as the place of an action, and there instead of its support.
+        So a region or pose is seen only as the place of an action, and there it takes the place of its support.
         """
         areas = np.broadcast_to(self._areas, (len(first), len(self._areas)))
         return np.concatenate([first, self._support[place][:, None], areas], axis=1)

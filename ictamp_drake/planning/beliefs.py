@@ -76,7 +76,7 @@ class Beliefs(Generic[C]):
         """
         attempt, lineage = step.attempt, tree.lineage(step.node)
         action, obstacles = attempt.action, attempt.obstacles
-        success = tree.serves(step)
+        success = tree.counts_as_success(step)
         for edge in self._edges_at(tree, step.node, action):
             if step.refuted is not None:
                 edge.withdraw_success(lineage)

@@ -233,7 +233,7 @@ class Tree(Generic[C]):
         skills, duration = self._measure(node)
         return (skills + len(plan.actions if plan else ()), duration) < self._best
 
-    def serves(self, step: Step[C]) -> bool:
+    def counts_as_success(self, step: Step[C]) -> bool:
         """Whether a step succeeded and its child can still lead to a plan that is neither rejected nor too long."""
         if step.child is None:
             return False

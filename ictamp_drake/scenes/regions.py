@@ -1,4 +1,4 @@
-"""Regions and poses: named places on the top faces of supports, for the goal and for what is put down on the way."""
+"""Regions and poses: named places on the top faces of supports, for goals and for boxes put down on the way."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -39,7 +39,7 @@ class RegionSpec:
 
     @property
     def X_TR(self) -> FloatArray:
-        """Pose of the region's frame in the support's frame, shape (7,)."""
+        """Pose of the region's frame R in the support's frame T, shape (7,)."""
         return _pose(self.position, self.yaw)
 
     @property
@@ -78,7 +78,7 @@ class PoseSpec:
 
     @property
     def X_TR(self) -> FloatArray:
-        """Pose of the place's frame in the support's frame, shape (7,)."""
+        """Pose of the place's frame R in the support's frame T, shape (7,)."""
         return _pose(self.position, self.yaw)
 
     @property
@@ -112,7 +112,7 @@ def check_areas(sections: Mapping[str, Mapping[str, Area]], supports: Mapping[st
                 raise IctampError(Code.OUT_OF_RANGE, problem, field=f"{section}.{name}", value=name, advice=advice)
     every = [(f"{section}.{name}", area) for section, areas in sections.items() for name, area in areas.items()]
     for (field, one), (other_field, other) in combinations(every, 2):
-        if one.on == other.on and _overlap(corners[field], corners[other_field]):
+        if one.on == other.on and _do_overlap(corners[field], corners[other_field]):
             names = [each.partition(".")[2] for each in (field, other_field)]
             problem = f"{names[0]} and {names[1]} overlap on {one.on}"
             raise IctampError(Code.OVERLAP, problem, field=other_field, value=names, advice="move one of them")
@@ -136,8 +136,8 @@ def _corners(area: Area) -> FloatArray:
     return corners
 
 
-def _overlap(one: FloatArray, other: FloatArray) -> bool:
-    """Whether two rectangles overlap: no side of either separates them."""
+def _do_overlap(one: FloatArray, other: FloatArray) -> bool:
+    """Whether two rectangles overlap, given by their corners, shape (4, 2) [m]: no side of either separates them."""
     return all(
         (one @ normal).max() > (other @ normal).min() + 1e-9 and (other @ normal).max() > (one @ normal).min() + 1e-9
         for normal in (*_normals(one), *_normals(other))

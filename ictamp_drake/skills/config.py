@@ -160,7 +160,8 @@ class PolicyConfig:
         haste: Probability of success that one second less of travel time is worth [1/s]. With 0, Q alone ranks the
             candidates.
         trust: Maximum number of the policy's candidates tried before random ones have their turn. As many of the best
-            random candidates are tried before the policy draws again.
+            random candidates are tried before the policy draws again. Where the policy was not trained, as many from
+            geometry come before its own each time.
         belief: Minimum Q of a random candidate that is tried.
     """
 

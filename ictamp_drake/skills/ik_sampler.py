@@ -26,7 +26,7 @@ from ictamp_drake.world.world import World
 UPRIGHT_ANGLE = 1e-3
 """Maximum tilt of a placed box [rad]."""
 FLAT_RANGE = 0.002
-"""Range of heights of G for a box so flat that the ground leaves no other [m]."""
+"""Range of heights of G on a box too flat for the usual depth of a grasp [m]."""
 
 
 class OptimizationSampler:
@@ -44,14 +44,14 @@ class OptimizationSampler:
         GOAL_IN_COLLISION when a program without the neighbors has one, else NO_INVERSE_KINEMATICS.
         """
         around = self._neighbours(c, action)
-        for config in self._configs(c, action):
+        for config in self._list_configs(c, action):
             while (k := self._draw(c, action, rng, around, config)) is not None:
                 yield k
         alone = self._draw(c, action, rng, [], self._config)
         yield Failure.NO_INVERSE_KINEMATICS if alone is None else Failure.GOAL_IN_COLLISION
 
-    def _configs(self, c: Configuration, action: Action) -> tuple[OptimizationConfig, ...]:
-        """Configurations in the order in which they are tried: a covered box is gripped anywhere along its sides."""
+    def _list_configs(self, c: Configuration, action: Action) -> tuple[OptimizationConfig, ...]:
+        """List constants in the order in which they are tried. A covered box is gripped anywhere along its sides."""
         config, box = self._config, action.args[0]
         if action.name == "place":
             return (config,)

@@ -52,7 +52,7 @@ def neighbours(world: World, c: Configuration, without: Collection[str], height:
 
 
 def is_covered(world: World, c: Configuration, box: str) -> bool:
-    """Whether some of the box is below a support."""
+    """Whether a support is above some of the box; 25 points of its outline are tested."""
     lying = world.upright_frame(c, box)
     halves = np.linspace(-0.5, 0.5, 5)
     spots = np.array([(x, y, 0.0) for x in halves for y in halves]) * lying.size

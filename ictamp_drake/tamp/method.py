@@ -320,5 +320,6 @@ Adaptive allocation solves as many small scenes as the paper's rule, with fewer 
 Best-first search finds a plan of n actions with little more than n expansions, breadth-first search with up to tens of
 thousands. With W = 30 the paper's rule would open plans all the time; with 3 it opens about as many as with
 breadth-first search and 30 (`benchmarks/opening.py`). Looking ahead keeps towers within reach (`benchmarks/reach.py`).
-Boxes are carried slowly enough to stay where they are in the fingers (`benchmarks/grip.py`).
+Boxes are carried slowly enough to stay where they are in the fingers (`benchmarks/grip.py`). What is impossible is said
+before the search (`benchmarks/infeasible.py`).
 """
