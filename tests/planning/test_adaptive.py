@@ -19,6 +19,7 @@ from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.tree import Opening
 from ictamp_drake.symbolic.atoms import ON
 from ictamp_drake.symbolic.context import GeneratorContext
+from ictamp_drake.symbolic.goal import Goal
 from ictamp_drake.symbolic.skeletons import BreadthFirst
 from tests.refusals import refusal
 from tests.runs.programs import run_code
@@ -153,7 +154,7 @@ LOT = ParkingLot(
         ("low", "tall", "wide", "far"),
         ("table",),
         state([("table", box) for box in ("low", "tall", "wide", "far")]),
-        frozenset({Atom(ON, ("low", "far"))}),
+        Goal.of({Atom(ON, ("low", "far"))}),
     ),
     {"low": "tall", "tall": "wide"},
 )
@@ -164,7 +165,7 @@ TINY = ParkingLot(
         ("low", "tall"),
         ("table",),
         state([("table", box) for box in ("low", "tall")]),
-        frozenset({Atom(ON, ("low", "tall"))}),
+        Goal.of({Atom(ON, ("low", "tall"))}),
     ),
     {"low": "tall"},
 )

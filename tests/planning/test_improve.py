@@ -39,13 +39,12 @@ class TimedWorld(ToyWorld):
     def attempt(
         self,
         c: ToyConfiguration,
-        action: Action,
-        promised: State,
+        plan: Skeleton,
         rng: np.random.Generator,
         k: Parameter | None = None,
     ) -> Attempt[ToyConfiguration]:
         """Run one step from c."""
-        attempt = super().attempt(c, action, promised, rng, k)
+        attempt = super().attempt(c, plan, rng, k)
         if attempt.k is None:
             return attempt
         still = Segment("wait", float(attempt.k[0]), GripperCommand(0.0, 0.0), 1, np.zeros(2), np.zeros((1, 7)))
