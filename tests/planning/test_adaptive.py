@@ -154,7 +154,7 @@ LOT = ParkingLot(
         ("low", "tall", "wide", "far"),
         ("table",),
         state([("table", box) for box in ("low", "tall", "wide", "far")]),
-        Goal.of([Atom(ON, ("low", "far"))]),
+        Goal.of({Atom(ON, ("low", "far"))}),
     ),
     {"low": "tall", "tall": "wide"},
 )
@@ -165,7 +165,7 @@ TINY = ParkingLot(
         ("low", "tall"),
         ("table",),
         state([("table", box) for box in ("low", "tall")]),
-        Goal.of([Atom(ON, ("low", "tall"))]),
+        Goal.of({Atom(ON, ("low", "tall"))}),
     ),
     {"low": "tall"},
 )
