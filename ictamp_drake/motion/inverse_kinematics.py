@@ -16,6 +16,7 @@ from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.config import KinematicsConfig
 from ictamp_drake.motion.postures import postures
 from ictamp_drake.world.build import add_panda
+from ictamp_drake.world.matrices import grasps
 
 LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
 UPPER: FloatArray = np.array([limits.upper for limits in ARM_LIMITS])
@@ -124,8 +125,8 @@ class ArmKinematics:
         Returns:
             Shape (n,).
         """
-        X_BG = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (len(radius), 1, 1))
-        X_BG[:, 0, 3], X_BG[:, 2, 3] = radius, height
+        zeros = np.zeros(len(radius))
+        X_BG = grasps(np.column_stack([radius, zeros, zeros + height, zeros]))
         found = postures(np.repeat(X_BG, len(self._turn), axis=0), np.tile(self._turn, len(radius)))
         inside = self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1)
         return np.asarray(inside.any(axis=(0, 2)))

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from itertools import chain, islice, pairwise, product
 
 import numpy as np
-from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
@@ -12,8 +11,9 @@ from ictamp_drake.core.types import Configuration, FloatArray, Parameter, Skelet
 from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import PlaceConfig
-from ictamp_drake.skills.geometry import R_DOWN, level_pose
+from ictamp_drake.skills.geometry import level_pose
 from ictamp_drake.symbolic.atoms import objects_beneath, supporters
+from ictamp_drake.world.matrices import grasps
 from ictamp_drake.world.world import World
 
 
@@ -92,7 +92,6 @@ class Lookahead:
         X_WB = self._world.X_WT(c, receptacle) @ level_pose(k)
         spots = np.array([*product((-1, 0, 1), repeat=2)] if ahead[:, :2].any() else [(0, 0)])
         p_BG = np.dstack([ahead[:, None, :2] * spots, np.broadcast_to(ahead[:, 2:], (len(ahead), len(spots)))])
-        X_WG = np.tile(RigidTransform(R_DOWN, np.zeros(3)).GetAsMatrix4(), (*p_BG.shape[:2], 1, 1))
-        X_WG[..., :3, 3] = p_BG @ X_WB.rotation().matrix().T + X_WB.translation()
-        times = self._arm.travel_times(X_WG.reshape(-1, 4, 4), c.q[:7])
+        p_WG = (X_WB @ p_BG.reshape(-1, 3).T).T
+        times = self._arm.travel_times(grasps(np.insert(p_WG, 3, 0.0, axis=1)), c.q[:7])
         return bool(np.isfinite(times).reshape(p_BG.shape[:2]).any(axis=1).all())

@@ -48,7 +48,10 @@ def level(parameter: FloatArray) -> FloatArray:
 
 
 def grasps(k: FloatArray) -> FloatArray:
-    """X_UG of grasps from above, shape (n, 4) [m, rad] -> (n, 4, 4). G's z points down, and its x along yaw."""
+    """Poses of a hand that points down, shape (n, 4) [m, rad] -> (n, 4, 4). G's z points down, and its x along yaw.
+
+    Of the k of grasps they are X_UG.
+    """
     return level(k) * [1.0, -1.0, -1.0, 1.0]
 
 
