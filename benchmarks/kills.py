@@ -23,6 +23,7 @@ from tempfile import TemporaryDirectory
 
 import tyro
 
+from ictamp_drake.planning.result import StopReason
 from ictamp_drake.reports import markdown
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.runs.folder import RESULTS
@@ -35,6 +36,7 @@ ROOT = Path(__file__).parents[1]
 WORKER, SIGKILL, SIGTERM, CTRL_C = "worker, SIGKILL", "program, SIGKILL", "program, SIGTERM", "all processes, SIGINT"
 VICTIMS = (WORKER, WORKER, SIGKILL, WORKER, WORKER, SIGTERM, WORKER, WORKER, CTRL_C)
 """What is killed, in turn."""
+STOPPED = StopReason.STOPPED.name
 REAL = 4
 """Number of real problems."""
 
@@ -175,9 +177,9 @@ def run_disturbed(arguments: Sequence[str], victims: Iterator[str], rng: random.
 
 
 def compare(folder: Path, names: Sequence[str]) -> Iterator[str]:
-    """Yield the problems that lack a final record, or have several."""
+    """Yield the problems that lack a final record, or have several. A problem that Ctrl-C stopped has none yet."""
     lines = [json.loads(line) for line in (folder / RESULTS).read_text().splitlines()]
-    final = Counter(line["problem"] for line in lines if line["error"] is None)
+    final = Counter(line["problem"] for line in lines if line["error"] is None and line["stop_reason"] != STOPPED)
     for name in sorted({*names, *final}):
         if final[name] != 1:
             yield f"{name} has {final[name]} final records"
