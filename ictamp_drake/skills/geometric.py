@@ -60,8 +60,8 @@ class GeometricSampler:
             k = k[np.isfinite(times)][:COMPARED]
             if not len(k):
                 return
-            on_support = action.name == "place" and action.args[1] in self._world.spec.supports
-            yield from k if on_support else k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")]
+            on_box = action.args[1] in self._world.spec.boxes or action.name == "pick"
+            yield from k if not on_box else k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")]
 
     def _hand_poses(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
         return hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
@@ -104,7 +104,8 @@ class GeometricSampler:
             k[:, 3] = rng.uniform(-np.pi, np.pi, CANDIDATES)
             cos, sin = np.abs(np.cos(k[:, 3])), np.abs(np.sin(k[:, 3]))
             extent = np.column_stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]])
-            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * np.maximum(top - extent, 0.0)
+            room = top - extent if place in self._world.spec.supports else top  # in a region, the center is enough
+            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * np.maximum(room, 0.0)
         X_GB = held_bottom(self._world, c, box, X_WG).GetAsMatrix4()
         placed = self._hand_poses(c, action, k)
         beside = neighbours(self._world, c, {box, place}, -np.inf)

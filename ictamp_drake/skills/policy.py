@@ -65,7 +65,7 @@ class PolicySampler:
         if min(sides) < least or max(sides) > most:
             return False
         if action.name == "place":
-            return place in spec.boxes or min(spec.supports[place].size[:2]) >= LEARNED_TOP
+            return place in spec.boxes or min(spec.places[place].size[:2]) >= LEARNED_TOP
         return not is_covered(self._world, c, box)
 
     def _best(
