@@ -232,7 +232,7 @@ class Planner(Generic[C]):
     def _can_be_best(self, node: Node[C]) -> bool:
         better = self.tree.can_be_best(node)
         if not better:
-            self.tree.candidates[node.index] = False
+            self.tree.candidates[node.index] = None
         return better
 
     def _is_executed(self, node: Node[C]) -> bool:

@@ -39,13 +39,12 @@ class TimedWorld(ToyWorld):
     def attempt(
         self,
         c: ToyConfiguration,
-        action: Action,
-        promised: State,
+        plan: Skeleton,
         rng: np.random.Generator,
         k: Parameter | None = None,
     ) -> Attempt[ToyConfiguration]:
         """Run one step from c."""
-        attempt = super().attempt(c, action, promised, rng, k)
+        attempt = super().attempt(c, plan, rng, k)
         if attempt.k is None:
             return attempt
         still = Segment("wait", float(attempt.k[0]), GripperCommand(0.0, 0.0), 1, np.zeros(2), np.zeros((1, 7)))
@@ -133,6 +132,13 @@ def test_ctrl_c_keeps_the_best() -> None:
     result = improve(toy_planner(WORLD, steps=None, stop=stop))
     assert result.stop_reason is StopReason.SOLVED
     assert result.plan == result.tree.path(result.found[-1].node)
+
+
+def test_a_plan_that_is_no_better_was_not_refused() -> None:
+    result = improve(toy_planner(WORLD, steps=300))
+    verified = [node for node, verdict in result.tree.candidates.items() if verdict]
+    assert verified == [found.node for found in result.found]
+    assert set(result.tree.candidates.values()) == {True, None}
 
 
 def test_a_plan_that_is_refused_is_no_improvement() -> None:
