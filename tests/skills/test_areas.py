@@ -17,7 +17,7 @@ from ictamp_drake.skills.geometric import GeometricSampler
 from ictamp_drake.skills.geometry import level_pose
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
-from tests.skills.rig import place, rig
+from tests.skills.rig import KINEMATIC, place, rig
 from tests.world.scenes import far_boxes, hold_box, scene
 
 SPEC = replace(
@@ -56,6 +56,22 @@ def test_a_region_smaller_than_the_box_is_used_up_to_its_border() -> None:
     draws = sampler.draws(hold_box(world, "yellow_box"), place("yellow_box", "small"), np.random.default_rng(0))
     used = np.ptp(np.array(list(islice(draws, 40)))[:, :2], axis=0)
     assert np.all(used > 0.7 * np.array(small.size))
+
+
+def test_the_free_part_of_a_region_beneath_a_rack_is_found_at_once() -> None:
+    """The policy has not learned what a region is."""
+    region = RegionSpec("table", (0.25, 0.2), (0.15, -0.25))
+    spec = replace(
+        SPEC,
+        boxes={"yellow_box": SPEC.boxes["yellow_box"]},
+        regions={"far": region},
+        poses={},
+        goal="(on yellow_box far)",
+    )
+    scene_rig = rig(spec, PolicyConfig())
+    held = hold_box(scene_rig.world, "yellow_box")
+    attempts = [scene_rig.attempt(held, place("yellow_box", "far"), seed) for seed in range(4)]
+    assert not any(attempt.failure in KINEMATIC for attempt in attempts)
 
 
 def test_a_support_without_room_beside_its_regions_ends_the_draws() -> None:
