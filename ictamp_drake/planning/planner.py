@@ -234,7 +234,7 @@ class Planner(Generic[C]):
         """Whether the plan that ends in this node is better than those before; if not, file it as rejected."""
         better = self.tree.can_be_best(node)
         if not better:
-            self.tree.candidates[node.index] = False
+            self.tree.candidates[node.index] = None
         return better
 
     def _is_executed(self, node: Node[C]) -> bool:

@@ -95,8 +95,8 @@ class Tree(Generic[C]):
         plans: Every known plan, opened ones and suffixes, in order of appearance.
         holders: Numbers of the nodes that hold each plan.
         log: Openings and steps in chronological order.
-        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified. False also means
-            that an earlier plan was as good.
+        candidates: Nodes at which a plan was finished, each with whether the whole plan was verified; None for a plan
+            that is no better than one before.
         refuted: Nodes that physics did not reach, and all nodes below them; `holders` no longer lists them.
         exhausted: True when there are no further plans.
     """
@@ -106,7 +106,7 @@ class Tree(Generic[C]):
         self.plans: list[Skeleton] = []
         self.holders: list[list[int]] = []
         self.log: list[Opening | Step[C]] = []
-        self.candidates: dict[int, bool] = {}
+        self.candidates: dict[int, bool | None] = {}
         self.refuted: set[int] = set()
         self.exhausted = False
         self._best: tuple[int, float] | None = None
@@ -239,7 +239,7 @@ class Tree(Generic[C]):
             return False
         child = self.nodes[step.child]
         if self.is_finished(child):
-            return self.candidates.get(child.index, True)
+            return bool(self.candidates.get(child.index, True))
         return any(self.can_be_best(child, self.plans[plan]) for plan in child.cnt)
 
     def _measure(self, node: Node[C]) -> tuple[int, float]:

@@ -107,7 +107,8 @@ class GeometricSampler:
             k[:, 3] = rng.uniform(-np.pi, np.pi, CANDIDATES)
             cos, sin = np.abs(np.cos(k[:, 3])), np.abs(np.sin(k[:, 3]))
             extent = np.column_stack([cos * half[0] + sin * half[1], sin * half[0] + cos * half[1]])
-            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * np.maximum(top - extent, 0.0)
+            room = top - extent if place in self._world.spec.supports else top  # in a region, the center is enough
+            k[:, :2] = rng.uniform(-1, 1, (CANDIDATES, 2)) * np.maximum(room, 0.0)
         X_GB = held_bottom(self._world, c, box, X_WG).GetAsMatrix4()
         placed = self._hand_poses(c, action, k)
         beside = neighbours(self._world, c, {box, place}, -np.inf)

@@ -58,14 +58,14 @@ class PolicySampler:
             yield from self._best(c, action, observation, random, self._config.belief)
 
     def _applies(self, c: Configuration, action: Action) -> bool:
-        """Whether the policy has learned from boxes and places of such sizes, with no support above the box."""
+        """Whether the policy has learned from boxes and supports of such sizes, no region, no support above the box."""
         spec, (box, place) = self._world.spec, action.args
         least, most = LEARNED_SIDES
         sides = [side for name in action.args if name in spec.boxes for side in spec.boxes[name].size]
         if min(sides) < least or max(sides) > most:
             return False
         if action.name == "place":
-            return place in spec.boxes or min(spec.places[place].size[:2]) >= LEARNED_TOP
+            return place in spec.boxes or (place in spec.supports and min(spec.supports[place].size[:2]) >= LEARNED_TOP)
         return not is_covered(self._world, c, box)
 
     def _best(

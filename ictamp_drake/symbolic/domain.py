@@ -43,7 +43,7 @@ class Domain:
         """
         for box in boxes:
             _check_place(box, initial)
-        objects = {name: (kinds or {}).get(name, kind) for name, kind in _typed_objects(boxes, supports).items()}
+        objects = _typed_objects(boxes, supports, kinds or {})
         rank = {place: number for number, place in enumerate((*supports, *boxes))}
         actions = sorted(
             ground(boxes_domain(), objects, initial),
@@ -105,16 +105,18 @@ class Domain:
         return found
 
 
-def _typed_objects(boxes: Sequence[str], supports: Sequence[str]) -> dict[str, str]:
+def _typed_objects(boxes: Sequence[str], supports: Sequence[str], kinds: Mapping[str, str]) -> dict[str, str]:
     """Return the types of the objects by name. Refuse names that are taken."""
     domain = boxes_domain()
     taken = {*domain.types, *domain.predicates, *(operator.name for operator in domain.operators)}
     types: dict[str, str] = {}
-    for kind, section, names in (("box", "boxes", boxes), ("support", "supports", supports)):
+    for usual, names in (("box", boxes), ("support", supports)):
         for name in names:
+            kind = kinds.get(name, usual)
             if name in taken or name in types:
                 problem = f"the name {{value}} of a {kind} is that of another object or a word of the planning domain"
-                field, advice = f"{section}.{name}", "choose another name"
+                field = f"{'boxes' if kind == 'box' else f'{kind}s'}.{name}"
+                advice = "choose another name"
                 raise IctampError(Code.BAD_NAME, problem, field=field, value=name, advice=advice)
             types[name] = kind
     return types

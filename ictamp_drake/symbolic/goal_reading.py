@@ -116,7 +116,8 @@ class _GoalReader(FormulaReader):
                 raise IctampError(Code.UNKNOWN_CHOICE, problem, value=name, choices=choices)
         kind = self.constants.get(str(names[0]), "box") if names else "box"
         if kind != "box":
-            problem = f"{{value}} cannot be reached: {names[0]} is a {kind}, which cannot be moved"
+            why = "is never clear" if predicate == CLEAR else "cannot be moved"
+            problem = f"{{value}} cannot be reached: {names[0]} is a {kind}, which {why}"
             boxes = [name for name, kind in self.constants.items() if kind == "box"]
             raise IctampError(Code.IMPOSSIBLE_GOAL, problem, value=written, choices=boxes)
         return super().atom(group, scope)

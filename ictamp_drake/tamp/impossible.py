@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action
+from ictamp_drake.core.types import Action, Configuration
 from ictamp_drake.planning.result import ActionReport
 from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
 from ictamp_drake.skills.grid import Face
@@ -17,6 +17,7 @@ from ictamp_drake.symbolic.atoms import held_box, objects_beneath, supporters
 from ictamp_drake.symbolic.goal import Alternative, Goal
 from ictamp_drake.symbolic.guides import boxes_to_move
 from ictamp_drake.tamp.task import Task
+from ictamp_drake.world.world import World
 
 
 def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...]:
@@ -33,9 +34,12 @@ def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...
         return ()
     sweep = Sweep(task.world, skills.motion, skills.pick, skills.place)
     refuse_grasps = cache(lambda box: sweep.refuse_grasps(task.c, box))
+    refuse_placements = cache(
+        lambda box, base, lower: sweep.refuse_placements(task.c, box, _face(task.world, task.c, base, lower))
+    )
     reports: dict[Action, ActionReport] = {}
     for alternative in task.goal.alternatives:
-        found = list(_Needs(task, alternative, sweep, refuse_grasps).find_impossible())
+        found = list(_Needs(task, alternative, refuse_grasps, refuse_placements).find_impossible())
         if not found:
             return ()
         reports.update({report.action: report for report in found})
@@ -49,12 +53,12 @@ class _Needs:
         self,
         task: Task,
         goal: Alternative,
-        sweep: Sweep,
         refuse_grasps: Callable[[str], Counter[str] | None],
+        refuse_placements: Callable[[str, str, tuple[str, ...]], Counter[str] | None],
     ) -> None:
         self._task = task
-        self._sweep = sweep
         self._refuse_grasps = refuse_grasps
+        self._refuse_placements = refuse_placements
         self._target = goal.targets
         self._supporter = supporters(task.s)
         self._to_move = boxes_to_move(task.domain, Goal((goal,)), task.s)
@@ -66,14 +70,17 @@ class _Needs:
                 yield _make_report(Action("pick", (box, self._supporter[box])), refused)
         placed = [box for box in self._target if box in self._to_move or box == held_box(self._task.s)]
         for box in sorted(placed, key=lambda box: (-len([*objects_beneath(box, self._target)]), box)):  # highest first
-            refusals = [self._sweep.refuse_placements(self._task.c, box, face) for face in self._list_faces(box)]
+            refusals = [self._refuse_placements(box, base, lower) for base, lower in self._list_places(box)]
             known = [each for each in refusals if each is not None]
             if known and len(known) == len(refusals):
                 yield _make_report(Action("place", (box, self._target[box])), sum(known, Counter[str]()))
 
-    def _list_faces(self, box: str) -> list[Face]:
-        """List faces for the box in the goal; it will be placed on one of them. Empty if they are unknown."""
-        world, c = self._task.world, self._task.c
+    def _list_places(self, box: str) -> list[tuple[str, tuple[str, ...]]]:
+        """List places for the box in the goal: a base and the boxes on it. It will be put on one of them.
+
+        Empty if they are unknown.
+        """
+        world = self._task.world
         beneath = list(objects_beneath(box, self._target))
         lower = [name for name in beneath if name in world.sizes]
         fixed = next((name for name in lower if self._is_stuck(name)), None)
@@ -85,18 +92,20 @@ class _Needs:
         else:
             spare = world.sizes.keys() - {box, *lower}
             bases = [] if spare else list(world.spec.supports)
-        sizes = [world.upright_frame(c, name).size for name in lower]
-        height = sum(float(size[2]) for size in sizes)
-        play = sum(float(np.linalg.norm(size[:2])) / 2 for size in sizes)
-        return [
-            Face(world.X_WT(c, base) @ RigidTransform([0.0, 0.0, height]), world.top_size(c, base) / 2 + play)
-            for base in bases
-        ]
+        return [(base, tuple(lower)) for base in bases]
 
     def _is_stuck(self, box: str) -> bool:
         """Whether the box can never leave its initial pose, because it cannot be grasped, or one above it cannot."""
         above = (name for name in self._supporter if box in (name, *objects_beneath(name, self._supporter)))
         return box in self._supporter and any(self._refuse_grasps(name) is not None for name in above)
+
+
+def _face(world: World, c: Configuration, base: str, lower: tuple[str, ...]) -> Face:
+    """Return the face for the center of a box on top of these boxes, which stand on the base."""
+    sizes = [world.upright_frame(c, name).size for name in lower]
+    height = sum(float(size[2]) for size in sizes)
+    play = sum(float(np.linalg.norm(size[:2])) / 2 for size in sizes)
+    return Face(world.X_WT(c, base) @ RigidTransform([0.0, 0.0, height]), world.top_size(c, base) / 2 + play)
 
 
 def _make_report(action: Action, refused: Mapping[str, int]) -> ActionReport:

@@ -134,6 +134,13 @@ def test_ctrl_c_keeps_the_best() -> None:
     assert result.plan == result.tree.path(result.found[-1].node)
 
 
+def test_a_plan_that_is_no_better_was_not_refused() -> None:
+    result = improve(toy_planner(WORLD, steps=300))
+    verified = [node for node, verdict in result.tree.candidates.items() if verdict]
+    assert verified == [found.node for found in result.found]
+    assert set(result.tree.candidates.values()) == {True, None}
+
+
 def test_a_plan_that_is_refused_is_no_improvement() -> None:
     answers = iter([True] + [False] * 1000)
     result = improve(toy_planner(WORLD, steps=300, verify=lambda _: next(answers)))

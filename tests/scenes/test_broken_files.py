@@ -121,6 +121,16 @@ def test_a_name_that_the_planning_domain_has_is_refused_in_its_file(
         load(path)
 
 
+@pytest.mark.parametrize(
+    ("section", "area"), [("regions", "{on: table, size: [0.1, 0.1]}"), ("poses", "{on: table, position: [0, 0]}")]
+)
+def test_such_a_name_of_a_region_or_pose_is_refused_too(section: str, area: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(SCENE + f"{section}: {{upright: {area}}}\n")
+    with refusal(Code.BAD_NAME, f"{section}.upright", file=path):
+        load(path)
+
+
 @pytest.mark.parametrize(("section", "most"), [("boxes", MAX_BOXES), ("supports", MAX_SUPPORTS)])
 def test_more_than_can_be_planned_for_is_refused(section: str, most: int) -> None:
     scene = load_scene(FILES / "f08-colour-1e-38.yaml")

@@ -13,10 +13,11 @@ from ictamp_drake.scenes.regions import PoseSpec, RegionSpec
 from ictamp_drake.skills.areas import AreaSampler
 from ictamp_drake.skills.config import OptimizationConfig, PolicyConfig, UniformConfig
 from ictamp_drake.skills.context import SamplerConfig, SamplerContext
+from ictamp_drake.skills.geometric import GeometricSampler
 from ictamp_drake.skills.geometry import level_pose
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
-from tests.skills.rig import place, rig
+from tests.skills.rig import KINEMATIC, place, rig
 from tests.world.scenes import far_boxes, hold_box, scene
 
 SPEC = replace(
@@ -46,6 +47,32 @@ def test_the_box_would_be_in_the_place_of_the_action(config: SamplerConfig, wher
     for k in islice(draws, 8):
         assert not isinstance(k, Failure)
         assert world.area_at(where, world.X_WT(c, where) @ level_pose(k), size) == where
+
+
+def test_a_region_smaller_than_the_box_is_used_up_to_its_border() -> None:
+    """What lies in its middle may leave room beside it."""
+    small = RegionSpec("table", (0.02, 0.03), (0.1, 0.2))
+    world = World(replace(SPEC, regions={"small": small}))
+    sampler = GeometricSampler(world, ArmKinematics(to_transform(SPEC.arm.X_WB)))
+    draws = sampler.draws(hold_box(world, "yellow_box"), place("yellow_box", "small"), np.random.default_rng(0))
+    used = np.ptp(np.array(list(islice(draws, 40)))[:, :2], axis=0)
+    assert np.all(used > 0.7 * np.array(small.size))
+
+
+def test_the_free_part_of_a_region_beneath_a_rack_is_found_at_once() -> None:
+    """The policy has not learned what a region is."""
+    region = RegionSpec("table", (0.25, 0.2), (0.15, -0.25))
+    spec = replace(
+        SPEC,
+        boxes={"yellow_box": SPEC.boxes["yellow_box"]},
+        regions={"far": region},
+        poses={},
+        goal="(on yellow_box far)",
+    )
+    scene_rig = rig(spec, PolicyConfig())
+    held = hold_box(scene_rig.world, "yellow_box")
+    attempts = [scene_rig.attempt(held, place("yellow_box", "far"), seed) for seed in range(4)]
+    assert not any(attempt.failure in KINEMATIC for attempt in attempts)
 
 
 def test_a_support_without_room_beside_its_regions_ends_the_draws() -> None:

@@ -8,6 +8,7 @@ import pytest
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.runs.records import record_of
+from ictamp_drake.scenes.regions import PoseSpec
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, load_scene
 from ictamp_drake.skills.config import PickConfig, SkillsConfig
 from ictamp_drake.tamp.method import SCENE_METHOD, Method
@@ -56,6 +57,20 @@ def test_a_tower_that_is_too_high_is_named_with_its_top() -> None:
     assert set(blocked.refusals) == {Failure.NO_INVERSE_KINEMATICS}
     assert "no placement on a grid of 5 mm and 10 deg" in str(blocked)
     assert "out of reach" in str(blocked)
+
+
+def test_a_goal_with_dozens_of_alternatives_is_swept_as_well() -> None:
+    box = BoxSpec((0.05, 0.05, 0.06), (0.0, 0.0, 0.03))
+    spots = [(0.35 + 0.1 * column, 0.15 + 0.1 * row) for column in range(4) for row in range(2)]
+    spec = replace(
+        SHELF,
+        supports={"table": TABLE, "board": replace(SHELF.supports["board"], position=(0.6, -0.25, 0.2))},
+        boxes={f"box_{n}": replace(box, position=(*spot, 0.03)) for n, spot in enumerate(spots)},
+        poses={name: PoseSpec("table", (x, -0.25)) for name, x in (("left", 0.3), ("right", 0.36))},
+        goal="(forall (?p - pose) (exists (?x - box) (at ?x ?p)))",
+    )
+    assert len(load(spec).goal.alternatives) == 8 * 7
+    assert {action.partition("(")[0] for action in named(spec)} == {"place"}
 
 
 def test_a_lower_tower_and_a_higher_board_are_possible() -> None:

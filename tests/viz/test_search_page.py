@@ -195,6 +195,18 @@ def test_a_step_forward_shows_its_motion(browser: Chromium) -> None:
     assert text(browser, "caption") == "2/2 place(blue_box, rack) – object slipped"
 
 
+@pytest.mark.parametrize(
+    ("verdict", "end"), [(True, "verified"), (False, "but was refused"), (None, "but no better than one before")]
+)
+def test_the_end_of_a_plan_is_told(browser: Chromium, tmp_path: Path, verdict: bool | None, end: str) -> None:
+    tree = small_tree()
+    tree.candidates[2] = verdict
+    search_html(SPEC, tree, RECORDINGS, tmp_path / "search.html", "small")
+    reopen(browser, tmp_path / "search.html")
+    assert text(browser, "event").partition(" (")[0].endswith(end)
+    assert browser.run("document.querySelectorAll('#facts .failed').length") == (verdict is False)
+
+
 def test_arrow_keys_step_too(browser: Chromium) -> None:
     browser.run("leap(3); document.activeElement.blur()")
     for key, event in [("ArrowLeft", 2), ("ArrowRight", 3), ("Home", 0), ("End", 5)]:

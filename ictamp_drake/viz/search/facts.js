@@ -31,6 +31,7 @@ function verdict(index) {
   const said = {
     true: html("p", {class: "found"}, "The goal holds where physics ended: the plan has been executed."),
     false: html("p", {class: "failed"}, "The goal holds, but the whole plan failed when it was executed once more."),
+    null: html("p", {class: "faint"}, "The goal holds, but the plan is no better than one found before."),
   };
   return [said[verdicts.get(index)] ?? []].flat();
 }

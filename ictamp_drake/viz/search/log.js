@@ -50,7 +50,11 @@ function sentence(index) {
   if (entry.failure) {
     return [`Node ${entry.node}: ${entry.action} failed, ${failures[entry.failure].sentence} ${tail}`, "failed"];
   }
-  const verdict = {true: "; the plan is finished and verified", false: "; the plan is finished, but was refused"};
+  const verdict = {
+    true: "; the plan is finished and verified",
+    false: "; the plan is finished, but was refused",
+    null: "; the plan is finished, but no better than one before",
+  };
   const end = verdict[verdicts.get(entry.child)] ?? "";
   return [`Node ${entry.node}: ${entry.action} led to node ${entry.child}${end} ${tail}`, "found"];
 }
