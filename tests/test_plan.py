@@ -2,7 +2,9 @@
 
 import json
 import re
+import signal
 import subprocess
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,7 +27,7 @@ from ictamp_drake.tamp.plan import read_plan, write_plan
 from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import load
 from ictamp_drake.world.config import PhysicsConfig
-from tests.runs.programs import SCENE, run, timeless
+from tests.runs.programs import SCENE, command, environment, run, timeless
 
 LIMIT = ("--time-limit", "250")  # far more than needed, so that the machine's speed does not matter
 
@@ -259,6 +261,19 @@ def test_the_search_goes_on_and_the_best_plan_is_kept(
     assert (len(plan), round(plan.duration, 4)) == record.found[-1][:2]
     assert plan.replay().reached
     assert capsys.readouterr().out.count("found after") == len(record.found)
+
+
+def test_ctrl_c_while_a_plan_is_improved_keeps_it_and_leaves_nothing_to_do(folder: Path, tmp_path: Path) -> None:
+    options = [folder / "scene.yaml", "--out", tmp_path, "--artefacts", "plan", "--improve", "600", *LIMIT]
+    with subprocess.Popen(command("plan", *options), cwd=folder, env=environment()) as process:
+        while not (tmp_path / "scene" / "plan.yaml").exists():
+            assert process.poll() is None
+            time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == COMPLETE
+    (record,) = read_records(tmp_path / "results.jsonl").values()
+    assert record.is_final
+    assert len(read_plan(tmp_path / "scene" / "plan.yaml")) == record.plan_length
 
 
 def test_a_goal_that_holds_already_is_solved_by_an_empty_plan(

@@ -16,7 +16,7 @@ class StopReason(Enum):
 
     SOLVED = "a plan was found and verified"
     UNREACHABLE = "no high-level plan reaches the goal"
-    IMPOSSIBLE = "an action that every plan needs is impossible"
+    IMPOSSIBLE = "every plan needs an action that is impossible"
     OUT_OF_TIME = "the time limit was reached"
     OUT_OF_CPU_TIME = "the limit of the processor time was reached"
     OUT_OF_STEPS = "the limit of low-level steps was reached"

@@ -76,6 +76,7 @@ def run(work: Work, console: Console) -> int:
         finally:
             index.write()
         records = _records(work, folder)
+        complete = complete or all(job.name in records and records[job.name].is_final for job in work.jobs)
         console.print(format_results(list(records.values())))
         _print_where(console, work, index, records, complete)
     return _exit_code(work, records, complete)
