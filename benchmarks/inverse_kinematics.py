@@ -43,7 +43,7 @@ class Options:
         poses: Number of poses of each arm.
         step: Grid step over the free joint [rad].
         starts: Number of starts of the numeric kind.
-        drake_models: Folder of Drake's own models; without it, Drake must have downloaded them before.
+        drake_models: Folder of Drake's own models; without it, Drake downloads them.
     """
 
     arms: tuple[str, ...] = ("panda", "ur5e", "iiwa14", "xarm7", "gen3")
@@ -126,12 +126,12 @@ def read_arm(name: str, drake_models: Path | None) -> Chain | None:
 
 
 def find_model(arm: Arm, drake_models: Path | None) -> Path | None:
-    """Return the path of an arm's model, or None."""
+    """Return the path of an arm's model, or None when it is not there."""
     if arm.package == "drake-models":
-        if drake_models is None and PackageMap().Contains("drake_models"):
-            cached = PackageMap().GetPath("drake_models")
-            drake_models = Path(cached)
-        return drake_models / arm.model if drake_models else None
+        try:
+            return (drake_models or Path(PackageMap().GetPath("drake_models"))) / arm.model
+        except RuntimeError:  # not downloaded, and no way to
+            return None
     try:
         found = files(arm.package) or []
     except PackageNotFoundError:

@@ -10,7 +10,8 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 
-from ictamp_drake.core.types import FloatArray
+from ictamp_drake.core.protocols import InverseKinematics
+from ictamp_drake.core.types import FloatArray, KinematicsKind
 from ictamp_drake.models.constants import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, HOME
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.config import KinematicsConfig
@@ -36,7 +37,8 @@ class ArmKinematics:
 
     def __init__(self, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
         self.config = config or KinematicsConfig()
-        self.plant = _arm_plant(tuple(X_WB.GetAsMatrix34().ravel()))
+        base = tuple(X_WB.GetAsMatrix34().ravel())
+        self.plant = _arm_plant(base)
         self._X_BW, self._X_WB = X_WB.inverse(), X_WB.GetAsMatrix4()
         self._context = self.plant.CreateDefaultContext()
         self._grasp = self.plant.GetFrameByName("grasp")
@@ -44,8 +46,7 @@ class ArmKinematics:
         self.upper = UPPER - self.config.joint_margin
         self._limits = np.array([self.lower, self.upper])
         self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
-        chain = read_chain(self.plant, ARM_JOINTS, self.plant.GetFrameByName("panda_link0"), self._grasp)
-        self._inverse = create_inverse_kinematics(self.config.kind, chain, self.config.starts)
+        self._inverse = _inverse_kinematics(base, self.config.kind, self.config.starts)
         self._angles = self._grid(self._limits, self.config.last_step)
 
     def forward(self, q: FloatArray) -> RigidTransform:
@@ -202,6 +203,14 @@ def _interpolate_pose(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> R
     turn.set_angle(s * turn.angle())
     position = (1 - s) * X_WA.translation() + s * X_WB.translation()
     return RigidTransform(X_WA.rotation() @ RotationMatrix(turn), position)
+
+
+@lru_cache(maxsize=16)
+def _inverse_kinematics(base: tuple[float, ...], kind: KinematicsKind, starts: int) -> InverseKinematics:
+    """Inverse kinematics of the arm. Arms with the same base share it, since the choice of a kind may take a while."""
+    plant = _arm_plant(base)
+    base_frame, grasp = plant.GetFrameByName("panda_link0"), plant.GetFrameByName("grasp")
+    return create_inverse_kinematics(kind, read_chain(plant, ARM_JOINTS, base_frame, grasp), starts)
 
 
 @lru_cache(maxsize=16)

@@ -1,6 +1,7 @@
 """The choice between kinds of inverse kinematics."""
 
 from importlib.util import find_spec
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +39,8 @@ def create_inverse_kinematics(kind: KinematicsKind, chain: Chain, starts: int) -
     if kind in ("auto", "closed-form") and is_panda(chain):
         return PandaKinematics()
     if kind == "analytic" or (kind == "auto" and find_spec("eaik")):
-        analytic, share = _analytic(chain)
-        if analytic and (kind == "analytic" or share >= _ENOUGH):
+        analytic = _create_analytic(chain)
+        if analytic and (kind == "analytic" or try_poses(analytic, chain, _POSES, _STEP).solved >= _ENOUGH):
             return analytic
     if kind in ("auto", "numeric"):
         return NumericKinematics(chain, starts)
@@ -52,20 +53,31 @@ def create_inverse_kinematics(kind: KinematicsKind, chain: Chain, starts: int) -
     )
 
 
-def _analytic(chain: Chain) -> tuple[InverseKinematics | None, float]:
-    """Analytic solution with the free joint that solves the most poses, and their share; None where none is known."""
+def _create_analytic(chain: Chain) -> InverseKinematics | None:
+    """Create the analytic solution, with the free joint that gives the most postures; None where none is known."""
     if not find_spec("eaik"):
         advice = 'run pip install "ictamp_drake[ik]"'
         raise IctampError(Code.NOT_INSTALLED, "eaik is not installed", field=_FIELD, value="analytic", advice=advice)
     from ictamp_drake.robots.analytic import AnalyticKinematics, lockable  # noqa: PLC0415
 
-    found = [AnalyticKinematics(chain, joint) for joint in lockable(chain)]
-    shares = [share_solved(each, chain, _POSES, _STEP) for each in found]
-    return (found[int(np.argmax(shares))], max(shares)) if found else (None, 0.0)
+    found = (AnalyticKinematics(chain, joint) for joint in lockable(chain))
+    return max(found, key=lambda each: try_poses(each, chain, _POSES, _STEP).postures, default=None)
 
 
-def share_solved(kinematics: InverseKinematics, chain: Chain, count: int, step: float) -> float:
-    """Share of random reachable poses with a posture, which forward kinematics confirm.
+class Trial(NamedTuple):
+    """Success on random reachable poses.
+
+    Attributes:
+        solved: Share of the poses with a posture.
+        postures: Mean number of postures of a pose.
+    """
+
+    solved: float
+    postures: float
+
+
+def try_poses(kinematics: InverseKinematics, chain: Chain, count: int, step: float) -> Trial:
+    """Solve random reachable poses. Only postures that forward kinematics confirm count.
 
     Args:
         kinematics: Inverse kinematics.
@@ -76,7 +88,8 @@ def share_solved(kinematics: InverseKinematics, chain: Chain, count: int, step: 
     lower, upper = limits = np.clip(chain.limits, -np.pi, np.pi)
     X_BG = chain.forward(np.random.default_rng(0).uniform(lower, upper, (count, len(lower))))
     found, pose = kinematics.postures(X_BG, free_angles(kinematics.free, limits, step), limits)
-    return len(np.unique(pose[chain.is_at(found, X_BG[pose])])) / count
+    true = pose[chain.is_at(found, X_BG[pose])]
+    return Trial(len(np.unique(true)) / count, len(true) / count)
 
 
 def free_angles(free: int | None, limits: FloatArray, step: float) -> FloatArray:

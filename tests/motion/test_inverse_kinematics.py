@@ -137,7 +137,7 @@ def test_lines_are_the_same_however_often_and_in_which_order_they_are_asked_for(
         np.testing.assert_array_equal(arm.line(q0, X_WG1), ArmKinematics(RigidTransform()).line(q0, X_WG1))
 
 
-def test_arms_with_the_same_base_share_a_plant_and_nothing_else() -> None:
+def test_arms_with_the_same_base_share_a_plant_and_are_independent() -> None:
     X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.1, -0.2, 0.3])
     one, two, other = ArmKinematics(X_WB), ArmKinematics(RigidTransform(X_WB)), ArmKinematics(RigidTransform())
     assert one.plant is two.plant

@@ -11,7 +11,7 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.robots import choice
 from ictamp_drake.robots.analytic import AnalyticKinematics, lockable
 from ictamp_drake.robots.chain import Chain, is_within
-from ictamp_drake.robots.choice import create_inverse_kinematics, free_angles, share_solved
+from ictamp_drake.robots.choice import Trial, create_inverse_kinematics, free_angles, try_poses
 from ictamp_drake.robots.numeric import NumericKinematics
 from ictamp_drake.robots.panda import PandaKinematics
 from tests.robots.arms import CROOKED, PANDA, SIX
@@ -65,7 +65,7 @@ def test_poses_solved_together_have_the_postures_of_each(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_nearly_every_reachable_pose_has_a_posture_and_none_out_of_reach(kind: str) -> None:
     chain, kinematics = KINDS[kind]
-    assert share_solved(kinematics, chain, 100, 0.1) >= 0.95
+    assert try_poses(kinematics, chain, 100, 0.1).solved >= 0.95
     far = np.eye(4)[None]
     far[0, 0, 3] = 5.0
     assert not len(kinematics.postures(far, free_angles(kinematics.free, chain.limits, 0.1), chain.limits)[0])
@@ -89,7 +89,7 @@ def test_auto_takes_the_first_kind_that_serves(monkeypatch: pytest.MonkeyPatch) 
     assert isinstance(create_inverse_kinematics("auto", PANDA, 64), PandaKinematics)
     assert isinstance(create_inverse_kinematics("auto", SIX, 64), AnalyticKinematics)
     assert isinstance(create_inverse_kinematics("auto", CROOKED, 64), NumericKinematics)
-    monkeypatch.setattr(choice, "share_solved", lambda *_: 0.5)
+    monkeypatch.setattr(choice, "try_poses", lambda *_: Trial(0.5, 8.0))
     assert isinstance(create_inverse_kinematics("auto", SIX, 64), NumericKinematics)
     assert isinstance(create_inverse_kinematics("analytic", SIX, 64), AnalyticKinematics)
 
