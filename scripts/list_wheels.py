@@ -32,7 +32,8 @@ Wheel = tuple[str, str, str]
 def dependencies() -> dict[str, str]:
     """Return the version of each dependency of the package in constraints.txt, by name."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["ray"]]
+    extras = project["optional-dependencies"]
+    wanted = [*project["dependencies"], *extras["ik"], *extras["ray"]]
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
     pinned = {name.lower().replace("_", "-"): version for name, _, version in (line.partition("==") for line in lines)}
     names = [re.split(r"[^\w-]", line)[0].lower() for line in wanted]

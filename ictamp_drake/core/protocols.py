@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import (
@@ -65,6 +66,28 @@ class PlanGenerator(Protocol):
         Args:
             max_expansions: Limit for this call.
             obstructions: Boxes that the plan should move out of the way, if the generator supports that.
+        """
+
+
+class InverseKinematics(Protocol):
+    """Inverse kinematics of one arm."""
+
+    @property
+    def free(self) -> int | None:
+        """Index of the joint whose angles the caller chooses, or None: an arm of seven joints has one too many."""
+
+    def postures(
+        self, X_BG: FloatArray, angles: FloatArray, limits: FloatArray, /
+    ) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Return all known postures with the hand at each pose, in any order that is the same each time.
+
+        Args:
+            X_BG: Poses of G in the arm's base frame, shape (n, 4, 4).
+            angles: Angles of the free joint, all tried for every pose, shape (a,) [rad]. Ignored if none is free.
+            limits: Lower and upper limits of the joints, which may be infinite, shape (2, joints) [rad].
+
+        Returns:
+            Postures within the limits, shape (m, joints) [rad], and the number of each one's pose, shape (m,).
         """
 
 

@@ -8,7 +8,7 @@ radians, seconds and kilograms. A pose is an array of seven numbers: unit quater
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from ictamp_drake.core.failures import Failure
 
 FloatArray = NDArray[np.float64]
+
+KinematicsKind = Literal["auto", "closed-form", "analytic", "numeric"]
+"""Kind of inverse kinematics, see `robots.choice`."""
 
 C = TypeVar("C", bound=Hashable)
 """Type of a configuration: `Configuration` in Drake, anything immutable and comparable in a toy world."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import inf
 
 from ictamp_drake.core.checks import check_fields, check_range
+from ictamp_drake.core.types import KinematicsKind
 
 LEAST_POINTS = 7
 """Minimum number of control points of a spline: three at each end do not move."""
@@ -17,9 +18,12 @@ class KinematicsConfig:
     """Constants of inverse kinematics.
 
     Attributes:
+        kind: Kind of inverse kinematics: the closed form of the Panda, analytic for most arms of six or seven joints,
+            numeric for any arm, or the first of these that serves (auto).
+        starts: Number of starts for each pose, numeric kind only.
         joint_margin: Distance kept from the joint limits [rad].
-        last_step: Grid step over the last joint for postures [rad].
-        travel_step: Grid step over the last joint for travel times [rad].
+        last_step: Grid step over the free joint for postures, the last of a Panda [rad].
+        travel_step: Grid step over the free joint for travel times [rad].
         guess_weight: Weight of the squared distance from the guess. A larger weight gives solutions nearer to it.
         comfort_weight: Weight of the squared distance from the arm's comfortable posture.
         attempts: Maximum number of postures tried, the cheapest first.
@@ -31,6 +35,8 @@ class KinematicsConfig:
         line_iterations: Maximum number of Newton steps for one point of the line.
     """
 
+    kind: KinematicsKind = "auto"
+    starts: int = 64
     joint_margin: float = 0.02
     last_step: float = 0.05
     travel_step: float = 0.1
@@ -48,6 +54,7 @@ class KinematicsConfig:
         check_fields(
             self,
             "skills.motion.kinematics",
+            starts=(1, 1e4),
             joint_margin=(0, 1),
             last_step=(1e-3, 6),
             travel_step=(1e-3, 6),

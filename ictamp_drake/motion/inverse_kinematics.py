@@ -10,11 +10,13 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 
-from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, HOME
+from ictamp_drake.core.protocols import InverseKinematics
+from ictamp_drake.core.types import FloatArray, KinematicsKind
+from ictamp_drake.models.constants import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, HOME
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.config import KinematicsConfig
-from ictamp_drake.motion.postures import postures
+from ictamp_drake.robots.chain import read_chain
+from ictamp_drake.robots.choice import create_inverse_kinematics, free_angles
 from ictamp_drake.world.build import add_panda
 from ictamp_drake.world.matrices import grasps
 
@@ -24,7 +26,7 @@ VELOCITY: FloatArray = np.array([limits.velocity for limits in ARM_LIMITS])
 
 
 _ROUNDS = 4
-"""Number of rounds in which angles of the last joint are checked for travel times, the nearest first."""
+"""Number of rounds in which angles of the free joint are checked for travel times, the nearest first."""
 
 _LINES = 15
 """Number of lines kept in memory: whether a line exists is often asked before it is used."""
@@ -35,15 +37,17 @@ class ArmKinematics:
 
     def __init__(self, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
         self.config = config or KinematicsConfig()
-        self.plant = _arm_plant(tuple(X_WB.GetAsMatrix34().ravel()))
+        base = tuple(X_WB.GetAsMatrix34().ravel())
+        self.plant = _arm_plant(base)
         self._X_BW, self._X_WB = X_WB.inverse(), X_WB.GetAsMatrix4()
         self._context = self.plant.CreateDefaultContext()
         self._grasp = self.plant.GetFrameByName("grasp")
         self.lower = LOWER + self.config.joint_margin
         self.upper = UPPER - self.config.joint_margin
+        self._limits = np.array([self.lower, self.upper])
         self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
-        self._last = np.arange(self.lower[6], self.upper[6], self.config.last_step)
-        self._turn = np.arange(-np.pi, np.pi, self.config.last_step)
+        self._inverse = _inverse_kinematics(base, self.config.kind, self.config.starts)
+        self._angles = self._grid(self._limits, self.config.last_step)
 
     def forward(self, q: FloatArray) -> RigidTransform:
         """X_WG at the arm's joint positions q, shape (7,) [rad]."""
@@ -65,15 +69,14 @@ class ArmKinematics:
             q_guess: Joint positions that the solution should be near, shape (7,) [rad].
             accept: Further condition that a solution must satisfy, e.g. freedom from collisions.
         """
-        found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._last)
-        found = found[self._is_within_limits(found)]
+        found = self._postures(X_WG, self._angles, self._limits)
         near, ease = ((found - q) ** 2 for q in (q_guess, self.comfortable_posture(X_WG)))
         cost = (self.config.guess_weight * near + self.config.comfort_weight * ease).sum(axis=1)
         found = found[np.argsort(cost, kind="stable")]
         for _ in range(self.config.attempts):
             if not len(found):
                 return None
-            q = found[0]
+            q = found[0].clip(self.lower, self.upper)  # a limit is kept up to rounding
             if accept is None or accept(q):
                 return q
             found = found[np.abs(found - q).max(axis=1) >= self.config.apart]
@@ -89,22 +92,19 @@ class ArmKinematics:
         Returns:
             Shape (n,) [s], infinite where the arm has no posture.
         """
-        last = np.arange(self.lower[6], self.upper[6], self.config.travel_step)
-        turns = np.abs(last - q[6]) / VELOCITY[6]
+        free, angles = self._inverse.free, self._grid(self._limits, self.config.travel_step)
+        turns = np.zeros(1) if free is None else np.abs(angles - q[free]) / VELOCITY[free]
         order = np.argsort(turns, kind="stable")
         least = np.full(len(X_WG), np.inf)
         X_BG = self._X_BW.GetAsMatrix4() @ X_WG
-        for some in np.array_split(order, _ROUNDS):
-            open_ = np.flatnonzero(least > turns[some[0]])  # the last joint alone takes longer from here on
-            found = postures(np.repeat(X_BG[open_], len(some), axis=0), np.tile(last[some], len(open_)))
-            times = np.full(found.shape[:2], np.inf)
-            inside = self._is_within_limits(found)
-            times[inside] = (np.abs(found[inside] - q) / VELOCITY).max(axis=1)
-            least[open_] = np.minimum(least[open_], times.reshape(8, len(open_), len(some)).min(axis=(0, 2)))
+        for some in np.array_split(order, min(_ROUNDS, len(order))):
+            open_ = np.flatnonzero(least > turns[some[0]])  # the free joint alone takes longer from here on
+            found, pose = self._inverse.postures(X_BG[open_], angles[some], self._limits)
+            np.minimum.at(least, open_[pose], (np.abs(found - q) / VELOCITY).max(axis=1))
         return least
 
     def turning_postures(self, X_WG: RigidTransform) -> FloatArray:
-        """Joint positions with G at X_WG, on a grid over all angles of the last joint, whose limits do not count.
+        """Joint positions with G at X_WG, where the limits of the last joint do not count.
 
         Turning the last joint turns the hand about its own axis and leaves all other links where they are. So these
         postures, with another angle of the last joint, are those of every turn of the hand.
@@ -112,8 +112,8 @@ class ArmKinematics:
         Returns:
             Shape (m, 7) [rad]; all joints but the last are within their limits.
         """
-        found = postures((self._X_BW @ X_WG).GetAsMatrix4(), self._turn)
-        return found[self._is_within_limits(found, slice(0, 6))]
+        limits = self._limits_without(-1)
+        return self._postures(X_WG, self._grid(limits, self.config.last_step), limits)
 
     def is_within_reach(self, radius: FloatArray, height: float) -> NDArray[np.bool_]:
         """Whether the arm, if its first and last joint had no limits, could bring G there with the hand pointing down.
@@ -127,15 +127,22 @@ class ArmKinematics:
         """
         zeros = np.zeros(len(radius))
         X_BG = grasps(np.column_stack([radius, zeros, zeros + height, zeros]))
-        found = postures(np.repeat(X_BG, len(self._turn), axis=0), np.tile(self._turn, len(radius)))
-        inside = self._is_within_limits(found, slice(1, 6)).reshape(8, len(radius), -1)
-        return np.asarray(inside.any(axis=(0, 2)))
+        limits = self._limits_without(0, -1)
+        _, pose = self._inverse.postures(X_BG, self._grid(limits, self.config.last_step), limits)
+        return np.bincount(pose, minlength=len(radius)) > 0
 
-    def _is_within_limits(self, q: FloatArray, joints: slice = slice(None)) -> NDArray[np.bool_]:
-        """Whether joint positions are within the limits, shape (..., 7) -> (...); False for nan."""
-        lower, upper, q = self.lower[joints], self.upper[joints], q[..., joints]
-        inside: NDArray[np.bool_] = np.all((q >= lower) & (q <= upper), axis=-1)
-        return inside
+    def _postures(self, X_WG: RigidTransform, angles: FloatArray, limits: FloatArray) -> FloatArray:
+        """Known postures with G at X_WG, shape (m, 7) [rad]."""
+        return self._inverse.postures((self._X_BW @ X_WG).GetAsMatrix4()[None], angles, limits)[0]
+
+    def _limits_without(self, *joints: int) -> FloatArray:
+        """Limits of the joints, infinite for those given, shape (2, 7) [rad]."""
+        limits = self._limits.copy()
+        limits[:, joints] = [[-np.inf], [np.inf]]
+        return limits
+
+    def _grid(self, limits: FloatArray, step: float) -> FloatArray:
+        return free_angles(self._inverse.free, limits, step)
 
     def comfortable_posture(self, X_WG: RigidTransform) -> FloatArray:
         """The arm's comfortable posture, turned about its base towards G, shape (7,) [rad]."""
@@ -196,6 +203,14 @@ def _interpolate_pose(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> R
     turn.set_angle(s * turn.angle())
     position = (1 - s) * X_WA.translation() + s * X_WB.translation()
     return RigidTransform(X_WA.rotation() @ RotationMatrix(turn), position)
+
+
+@lru_cache(maxsize=16)
+def _inverse_kinematics(base: tuple[float, ...], kind: KinematicsKind, starts: int) -> InverseKinematics:
+    """Inverse kinematics of the arm. Arms with the same base share it, since the choice of a kind may take a while."""
+    plant = _arm_plant(base)
+    base_frame, grasp = plant.GetFrameByName("panda_link0"), plant.GetFrameByName("grasp")
+    return create_inverse_kinematics(kind, read_chain(plant, ARM_JOINTS, base_frame, grasp), starts)
 
 
 @lru_cache(maxsize=16)

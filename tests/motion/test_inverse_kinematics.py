@@ -1,13 +1,14 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RollPitchYaw
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.inverse_kinematics import VELOCITY, ArmKinematics
-from ictamp_drake.motion.postures import postures
+from ictamp_drake.robots.chain import is_within
+from ictamp_drake.robots.panda import postures
 from ictamp_drake.world.world import World
 
 ARM = ArmKinematics(RigidTransform())
@@ -20,8 +21,12 @@ def error(X_WG: RigidTransform, X_WH: RigidTransform) -> tuple[float, float]:
 
 
 @given(shares, st.lists(st.floats(-0.1, 0.1), min_size=7, max_size=7).map(np.array))
+@example(np.array([0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0]), np.zeros(7))
+@example(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.75, 0.0]), np.zeros(7))
 def test_solution_is_near_the_guess_and_holds_the_hand_where_it_shall_be(share: FloatArray, offset: FloatArray) -> None:
-    q = ARM.lower + share * (ARM.upper - ARM.lower)
+    """The last joint's angle is one of those tried; else a posture at several limits may have none beside it."""
+    q = ARM.lower + share * (np.minimum(ARM.upper, np.pi - 1e-6) - ARM.lower)  # the closed form ends at π
+    q[6] -= np.remainder(q[6] - ARM.lower[6], ARM.config.last_step)
     X_WG, guess = ARM.forward(q), q + offset
     solution = ARM.solve(X_WG, guess)
     assert solution is not None
@@ -87,7 +92,7 @@ def test_travel_times_are_the_least_of_all_postures(places: list[FloatArray], sh
     last = np.arange(ARM.lower[6], ARM.upper[6], ARM.config.travel_step)
     for X, time in zip(X_WG, ARM.travel_times(X_WG, q), strict=True):
         found = postures(X, last)
-        inside = np.all((found >= ARM.lower) & (found <= ARM.upper), axis=2)
+        inside = is_within(found, np.array([ARM.lower, ARM.upper]))
         expected = (np.abs(found[inside] - q) / VELOCITY).max(axis=1).min(initial=np.inf)
         assert time == pytest.approx(expected, rel=1e-12)
 
@@ -132,7 +137,7 @@ def test_lines_are_the_same_however_often_and_in_which_order_they_are_asked_for(
         np.testing.assert_array_equal(arm.line(q0, X_WG1), ArmKinematics(RigidTransform()).line(q0, X_WG1))
 
 
-def test_arms_with_the_same_base_share_a_plant_and_nothing_else() -> None:
+def test_arms_with_the_same_base_share_a_plant_and_are_independent() -> None:
     X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.1, -0.2, 0.3])
     one, two, other = ArmKinematics(X_WB), ArmKinematics(RigidTransform(X_WB)), ArmKinematics(RigidTransform())
     assert one.plant is two.plant

@@ -1,4 +1,4 @@
-"""All postures of the arm with the hand at one pose, in closed form.
+"""All postures of the Panda with the hand at one pose, in closed form.
 
 A pose has six dimensions and the arm seven joints, so one joint is free: the last, as in He and Liu, "Analytical
 Inverse Kinematics for Franka Emika Panda" (ICCMA 2021). Its angle determines the wrist's center W, where axes 5 and 6
@@ -7,11 +7,12 @@ determines joints 6 and 5. The three angles of the shoulder are Euler angles.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import DH_PARAMETERS
-from ictamp_drake.models.kinematics import X_7G, link
-from ictamp_drake.world.matrices import inverse
+from ictamp_drake.models.kinematics import X_7G, forward, link
+from ictamp_drake.robots.chain import Chain, is_within
 
 _P_BS: FloatArray = np.array([0.0, 0.0, DH_PARAMETERS[0].d])
 _S: FloatArray = np.array([DH_PARAMETERS[4].a, -DH_PARAMETERS[2].d])
@@ -20,7 +21,32 @@ _W: FloatArray = np.array([DH_PARAMETERS[4].a, DH_PARAMETERS[4].d])
 """x and y of W in link 4's frame [m]."""
 
 _P_67: FloatArray = link(*DH_PARAMETERS[6], np.zeros(1))[0, :3, 3]
-_X_G7: FloatArray = inverse(X_7G[None])[0]
+_X_G7: FloatArray = np.asarray(np.linalg.inv(X_7G), dtype=np.float64)
+
+_ALIKE = 1e-9
+"""Maximum difference of poses by which an arm counts as a Panda."""
+
+
+class PandaKinematics:
+    """Closed form for the Panda; the free joint is the last. Angles of a joint beyond ±π are not known."""
+
+    free: int | None = 6
+
+    def postures(
+        self, X_BG: FloatArray, angles: FloatArray, limits: FloatArray, /
+    ) -> tuple[FloatArray, NDArray[np.intp]]:
+        """See `core.protocols.InverseKinematics`."""
+        one = len(X_BG) == 1
+        found = postures(X_BG[0] if one else np.repeat(X_BG, len(angles), axis=0), np.tile(angles, len(X_BG)))
+        inside = is_within(found, limits)
+        q = found[inside]
+        return q, np.zeros(len(q), dtype=np.intp) if one else inside.nonzero()[1] // len(angles)
+
+
+def is_panda(chain: Chain) -> bool:
+    """Whether forward kinematics of an arm are those of the Panda with its hand."""
+    q = np.linspace(-2.0, 2.0, 7 * 8).reshape(8, 7)
+    return len(chain.axes) == 7 and bool(np.abs(chain.forward(q) - forward(q)).max() < _ALIKE)
 
 
 def postures(X_BG: FloatArray, last: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.constants import HOME
 from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
-from ictamp_drake.motion.postures import postures
+from ictamp_drake.robots.panda import postures
 
 shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7)
 within_limits = shares.map(lambda share: LOWER + np.array(share) * (UPPER - LOWER))
@@ -49,8 +49,10 @@ def test_a_posture_has_up_to_eight_twins() -> None:
     assert all(apart(found[:number], one).min() > 1e-3 for number, one in enumerate(found) if number)
 
 
-def test_what_is_out_of_reach_has_none(down) -> None:
-    assert not len(existing_postures(down(1.2, 0.0, 0.1).GetAsMatrix4(), np.linspace(-2, 2, 9)))
+def test_what_is_out_of_reach_has_none() -> None:
+    X_BG = np.diag([1.0, -1.0, -1.0, 1.0])
+    X_BG[:3, 3] = 1.2, 0.0, 0.1
+    assert not len(existing_postures(X_BG, np.linspace(-2, 2, 9)))
 
 
 def test_each_angle_can_have_a_pose_of_its_own() -> None:

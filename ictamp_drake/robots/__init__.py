@@ -1,0 +1,1 @@
+"""Arms as chains of joints, and their inverse kinematics."""
