@@ -94,7 +94,7 @@ def ground(domain: PddlDomain, objects: Mapping[str, str], initial: State) -> tu
     Raises:
         IctampError: There are too many ways to choose objects.
     """
-    grounder = _Grounder(domain, objects, initial)
+    grounder = _Grounder(domain, objects, initial, MAX_PARTS)
     return tuple(action for operator in domain.operators for action in grounder.ground(operator))
 
 
@@ -116,9 +116,7 @@ def expand(formula: Formula, domain: PddlDomain, objects: Mapping[str, str]) -> 
 class _Grounder:
     """Replaces variables by objects and evaluates static atoms."""
 
-    def __init__(
-        self, domain: PddlDomain, objects: Mapping[str, str], initial: State, max_parts: int = MAX_PARTS
-    ) -> None:
+    def __init__(self, domain: PddlDomain, objects: Mapping[str, str], initial: State, max_parts: int) -> None:
         self._objects: dict[str, list[str]] = {}
         for name, kind in {**domain.constants, **objects}.items():
             for ancestor in lineage(kind, domain.types):
