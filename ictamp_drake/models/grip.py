@@ -1,4 +1,4 @@
-"""Grip force that holds a box between the pads by friction. Its reasons are in docs/physics.md."""
+"""Grip force that holds a box between the pads by friction. docs/physics.md explains it."""
 
 from math import hypot
 

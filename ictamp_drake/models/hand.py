@@ -81,7 +81,7 @@ TIP = PAD_HALF_HEIGHT + 0.0025
 """Distance below G beyond which no part of a finger reaches, with 2.5 mm to spare."""
 
 LOWEST_GRASP = TIP + 0.002
-"""Height of G above the ground at which the tips are well above it. Flat boxes are gripped at up to this height."""
+"""Height of G that keeps the tips well above the ground, and up to which flat boxes are gripped."""
 
 FINGER = Outline(half_length=0.011, half_width=0.0135, bottom=-PAD_HALF_HEIGHT)
 """An open finger with its mount. Its inner face is half the opening away from G."""
@@ -102,4 +102,4 @@ HAND_CORE = (
 )
 """Cylinders inside palm and flange."""
 FINGER_DISK = Cylinder(radius=0.045, bottom=-0.009, top=PALM.bottom)
-"""Cylinder of which the fingers fill some at every height, at any yaw and opening."""
+"""Cylinder that the fingers partly fill at every height, whatever their yaw and opening."""

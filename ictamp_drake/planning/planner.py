@@ -231,7 +231,7 @@ class Planner(Generic[C]):
         return child
 
     def _can_be_best(self, node: Node[C]) -> bool:
-        """Whether the plan that ends in this node is better than those before; if not, file it as rejected."""
+        """Whether the plan that ends in this node is better than those before. One that is not is noted in the tree."""
         better = self.tree.can_be_best(node)
         if not better:
             self.tree.candidates[node.index] = None

@@ -218,7 +218,7 @@ class Tree(Generic[C]):
         return step
 
     def keep_better(self, node: int) -> None:
-        """Leave only such plans to run that can be better than the plan that ends in this node.
+        """Drop the plans that can no longer be better than the one that ends in this node.
 
         A better plan has fewer skills or, with as many, a shorter execution.
         """

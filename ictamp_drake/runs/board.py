@@ -16,7 +16,7 @@ _TEXT = 80
 
 
 def _ignore() -> None:
-    """Do nothing: the process that shows the board looks at it by itself."""
+    """Do nothing, since the process that shows the board polls it."""
 
 
 class _Slot(ctypes.Structure):
