@@ -122,7 +122,7 @@ def read_arm(name: str, drake_models: Path | None) -> Chain | None:
         parser.AddModelsFromString(text, "urdf")
     base = plant.GetFrameByName(arm.base)
     plant.Finalize()
-    return read_chain(plant, arm.joints, base, plant.GetFrameByName(arm.hand))
+    return read_chain(plant, [plant.GetJointByName(name) for name in arm.joints], base, plant.GetFrameByName(arm.hand))
 
 
 def find_model(arm: Arm, drake_models: Path | None) -> Path | None:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame
+from pydrake.multibody.tree import Frame, Joint
 
 from ictamp_drake.core.types import FloatArray
 
@@ -67,21 +67,20 @@ class Chain:
         return near
 
 
-def read_chain(plant: MultibodyPlant, joints: Sequence[str], base: Frame, hand: Frame) -> Chain:
+def read_chain(plant: MultibodyPlant, joints: Sequence[Joint], base: Frame, hand: Frame) -> Chain:
     """Read the chain of revolute joints, in their order from the base to the hand, from a finalized plant."""
     context = plant.CreateDefaultContext()
-    arm = [plant.GetJointByName(name) for name in joints]
-    for joint in arm:
+    for joint in joints:
         joint.set_angle(context, 0.0)
-    frames = [plant.CalcRelativeTransform(context, base, joint.frame_on_parent()) for joint in arm]
+    frames = [plant.CalcRelativeTransform(context, base, joint.frame_on_parent()) for joint in joints]
     X_BG = plant.CalcRelativeTransform(context, base, hand)
     points = [np.zeros(3), *(X.translation() for X in frames), X_BG.translation()]
     return Chain(
-        axes=np.array([X.rotation() @ joint.revolute_axis() for X, joint in zip(frames, arm, strict=True)]),
+        axes=np.array([X.rotation() @ joint.revolute_axis() for X, joint in zip(frames, joints, strict=True)]),
         offsets=np.diff(points, axis=0),
         rotation=X_BG.rotation().matrix(),
         limits=np.array(
-            [[joint.position_lower_limit() for joint in arm], [joint.position_upper_limit() for joint in arm]]
+            [[joint.position_lower_limit() for joint in joints], [joint.position_upper_limit() for joint in joints]]
         ),
     )
 

@@ -5,7 +5,7 @@ The rooms `world` and `symbolic` check whether boxes overlap or float, and what 
 """
 
 import dataclasses
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.hand import MAX_SIDE
 from ictamp_drake.models.things import SUPPORTS, read_thing
+from ictamp_drake.robots.spec import DEFAULT, is_robot_file
 from ictamp_drake.scenes.regions import Area, PoseSpec, RegionSpec, check_areas
 
 if TYPE_CHECKING:
@@ -173,6 +174,7 @@ class SceneSpec:
     """A complete planning problem.
 
     Attributes:
+        robot: Name of a robot that ships, or the path of a robot file; in a scene file, a path relative to it.
         arm: Mounting pose of the arm.
         supports: Supports by name, at least one.
         boxes: Boxes by name, at least one.
@@ -185,6 +187,7 @@ class SceneSpec:
         description: One sentence for people.
     """
 
+    robot: str = DEFAULT
     arm: ArmSpec = ArmSpec()
     supports: dict[str, SupportSpec]
     boxes: dict[str, BoxSpec]
@@ -237,7 +240,13 @@ def load_scene(path: Path | str) -> SceneSpec:
         IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
     """
     with in_file(path):
-        return decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
+        spec = decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
+    return replace(spec, robot=locate_robot(spec.robot, Path(path).parent))
+
+
+def locate_robot(robot: str, folder: Path) -> str:
+    """Return the name of a robot that ships unchanged, and the path of a robot file as seen from the folder."""
+    return str(folder / robot) if is_robot_file(robot) else robot
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:
@@ -250,8 +259,12 @@ def save_scene(spec: SceneSpec, path: Path | str) -> None:
 
 
 def to_dict(spec: SceneSpec) -> dict[str, Any]:
-    """The scene in the types of YAML and JSON. `start`, `regions` and `poses` are left out by default."""
+    """The scene in the types of YAML and JSON. `robot`, `start`, `regions` and `poses` are left out by default."""
     values: dict[str, Any] = _to_plain(dataclasses.asdict(spec))
+    if spec.robot == DEFAULT:
+        del values["robot"]
+    else:
+        values["robot"] = str(Path(spec.robot).resolve()) if is_robot_file(spec.robot) else spec.robot
     if spec.start == StartSpec():
         del values["start"]
     for section in ("regions", "poses"):

@@ -1,26 +1,11 @@
 """Arms for tests: the Panda, one of six joints, and one whose wrist no decomposition is known for."""
 
 import numpy as np
-from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
 
-from ictamp_drake.models.constants import ARM_JOINTS
-from ictamp_drake.models.package import add_package
-from ictamp_drake.robots.chain import Chain, read_chain
+from ictamp_drake.robots.chain import Chain
+from ictamp_drake.robots.robot import find_robot
 
-
-def panda_plant() -> MultibodyPlant:
-    plant = MultibodyPlant(0.0)
-    parser = Parser(plant)
-    add_package(parser)
-    parser.AddModelsFromUrl("package://ictamp_drake/sdf/panda.sdf")
-    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("panda_link0"))
-    plant.Finalize()
-    return plant
-
-
-PLANT = panda_plant()
-PANDA = read_chain(PLANT, ARM_JOINTS, PLANT.GetFrameByName("panda_link0"), PLANT.GetFrameByName("grasp"))
+PANDA = find_robot().chain
 
 SIX = Chain(
     axes=np.array([[0, 0, 1], [0, 1, 0], [0, 1, 0], [0, 1, 0], [0, 0, -1], [0, 1, 0]], dtype=float),

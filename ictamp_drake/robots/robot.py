@@ -1,0 +1,282 @@
+"""An arm with a gripper, built from its file. Everything that must know the robot of a scene asks it here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint, ModelInstanceIndex
+
+from ictamp_drake.core.checks import check_range
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.protocols import InverseKinematics
+from ictamp_drake.core.reading import in_file
+from ictamp_drake.core.types import FloatArray, KinematicsKind
+from ictamp_drake.models.kinematics import forward as panda_forward
+from ictamp_drake.models.model_text import Shapes
+from ictamp_drake.robots.bodies import (
+    RobotBodies,
+    add_frame,
+    add_pads,
+    add_shapes,
+    find_frame,
+    find_joint,
+    pose_of,
+)
+from ictamp_drake.robots.chain import Chain, read_chain
+from ictamp_drake.robots.choice import create_inverse_kinematics
+from ictamp_drake.robots.gripper import Gripper
+from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
+from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_mimics
+from ictamp_drake.robots.panda import is_panda
+from ictamp_drake.robots.spec import DEFAULT, RobotSpec, find_file, read_robot
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """An arm with a gripper.
+
+    Attributes:
+        name: Name of a robot that ships, or the path of the robot's file.
+        spec: Content of the file.
+        model: File of the arm's model.
+        gripper_model: File of the gripper's model; None if the arm's model contains the gripper.
+    """
+
+    name: str
+    spec: RobotSpec
+    model: Path
+    gripper_model: Path | None
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the arm's joints, from the base to the hand."""
+        return self.spec.joints
+
+    @cached_property
+    def home(self) -> FloatArray:
+        """Comfortable posture of the arm, with the hand pointing down in front of the base, shape (n,) [rad]."""
+        return _freeze(self.spec.home)
+
+    @cached_property
+    def lower(self) -> FloatArray:
+        """Lower position limits of the arm's joints, shape (n,) [rad]."""
+        return _freeze([joint.position_lower_limit() for joint in self._bare.arm_joints])
+
+    @cached_property
+    def upper(self) -> FloatArray:
+        """Upper position limits of the arm's joints, shape (n,) [rad]."""
+        return _freeze([joint.position_upper_limit() for joint in self._bare.arm_joints])
+
+    @cached_property
+    def velocity(self) -> FloatArray:
+        """Velocity limits of the arm's joints, shape (n,) [rad/s]."""
+        return self._limit("velocity", [joint.velocity_upper_limit() for joint in self._bare.arm_joints])
+
+    @cached_property
+    def acceleration(self) -> FloatArray:
+        """Acceleration limits of the arm's joints, shape (n,) [rad/s^2]."""
+        return self._limit("acceleration", [joint.acceleration_upper_limit() for joint in self._bare.arm_joints])
+
+    @cached_property
+    def jerk(self) -> FloatArray:
+        """Jerk limits of the arm's joints, shape (n,) [rad/s^3]."""
+        return self._limit("jerk", np.full(len(self.joints), np.inf))
+
+    @cached_property
+    def effort(self) -> FloatArray:
+        """Torque limits of the arm's joints, shape (n,) [N m]."""
+        plant = self._bare.plant
+        actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+        limits = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
+        return self._limit("effort", [limits[name] for name in self.joints])
+
+    def _limit(self, name: str, found: "list[float] | FloatArray") -> FloatArray:
+        """Return the model's limits, or those of the file where the model has none."""
+        given = getattr(self.spec, name) or (np.inf,) * len(self.joints)
+        limits = np.where(np.isfinite(found), found, given)
+        if not np.all(np.isfinite(limits)):
+            joint = self.joints[int(np.argmin(np.isfinite(limits)))]
+            problem = f"the model has no {name} limit of {joint}, so the file must give one for each joint"
+            raise IctampError(Code.MISSING_FIELD, problem, field=name)
+        return _freeze(limits)
+
+    @cached_property
+    def gripper(self) -> Gripper:
+        """Gripper."""
+        spec, bare = self.spec.gripper, self._bare
+        names = tuple(joint.name() for joint in bare.finger_joints)
+        moves = measure_fingers(bare, spec, read_mimics(self.gripper_model or self.model))
+        return Gripper(
+            spec,
+            names,
+            tuple(names.index(name) for name in spec.joints),
+            measure_hand(self, moves),
+            *moves,
+        )
+
+    @cached_property
+    def chain(self) -> Chain:
+        """Joints of the arm from the base to G."""
+        bare = self._bare
+        return read_chain(bare.plant, bare.arm_joints, bare.base, bare.grasp)
+
+    @cached_property
+    def _is_panda(self) -> bool:
+        return is_panda(self.chain)
+
+    def forward(self, q: FloatArray) -> FloatArray:
+        """X_BG at the arm's joint positions, shape (m, n) [rad] -> (m, 4, 4)."""
+        return panda_forward(q) if self._is_panda else self.chain.forward(q)
+
+    def inverse(self, kind: KinematicsKind, starts: int) -> InverseKinematics:
+        """Return the inverse kinematics of a kind, see `robots.choice`; `auto` leaves the choice to the robot's file.
+
+        A choice may take a while, so each is made once.
+        """
+        return _inverse_kinematics(self, self.spec.kinematics if kind == "auto" else kind, starts)
+
+    @cached_property
+    def _bare(self) -> RobotBodies:
+        """The robot alone, without shapes, in a plant whose joints all move freely."""
+        plant = MultibodyPlant(0.0)
+        bodies = self.add_to(plant, RigidTransform())
+        for constraint in plant.GetConstraintIds():
+            plant.RemoveConstraint(constraint)
+        plant.Finalize()
+        return bodies
+
+    def add_to(self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes = "contact") -> RobotBodies:
+        """Add the robot to a plant that is not finalized, and fix its base at a pose.
+
+        Joints that are commanded and have no actuator get one, and all other actuators are removed. Call `filter` once
+        the plant is finalized.
+        """
+        spec, gripper = self.spec, self.spec.gripper
+        arm = held = add_model(plant, self.model, shapes, _overridden(spec.collision, gripper.collision), "model")
+        base = find_frame(plant, arm, spec.base, "base")
+        plant.WeldFrames(plant.world_frame(), base, X_WB)
+        if self.gripper_model is not None and gripper.mount is not None:
+            field = "gripper.model"
+            held = add_model(plant, self.gripper_model, shapes, _overridden(gripper.collision), field)
+            flange = find_frame(plant, arm, spec.flange, "flange")
+            mount = find_frame(plant, held, gripper.mount.frame, "gripper.mount.frame")
+            plant.WeldFrames(flange, mount, pose_of(gripper.mount).inverse())
+        arm_joints = [find_joint(plant, arm, name, f"joints[{i}]") for i, name in enumerate(spec.joints)]
+        driven = [find_joint(plant, held, name, f"gripper.joints[{i}]") for i, name in enumerate(gripper.joints)]
+        instances = tuple(dict.fromkeys((arm, held)))
+        self._actuate(plant, instances, [*arm_joints, *driven])
+        pads = {"first": gripper.pads.first, "second": gripper.pads.second}
+        faces = [
+            add_frame(
+                plant, f"{name}_pad_face", find_frame(plant, held, pad.frame, f"gripper.pads.{name}"), pose_of(pad)
+            )
+            for name, pad in pads.items()
+        ]
+        grasp = find_frame(plant, held, gripper.grasp.frame, "gripper.grasp.frame")
+        bodies = RobotBodies(
+            plant=plant,
+            instances=instances,
+            base=base,
+            grasp=add_frame(plant, "grasp_frame", grasp, pose_of(gripper.grasp)),
+            faces=(faces[0], faces[1]),
+            hand=find_frame(plant, held, gripper.base, "gripper.base").body(),
+            fingers=(faces[0].body(), faces[1].body()),
+            arm_joints=tuple(arm_joints),
+            driven=tuple(driven),
+        )
+        if plant.geometry_source_is_registered() and shapes != "visible":
+            self._add_shapes(bodies, points=shapes == "contact")
+        return bodies
+
+    def check(self) -> None:
+        """Raise IctampError unless the model and the file fit together."""
+        for number, (position, low, high) in enumerate(zip(self.home, self.lower, self.upper, strict=True)):
+            check_range(f"home[{number}]", position, low, high, " rad")
+        for limit in (self.velocity, self.acceleration, self.jerk, self.effort, self.gripper):
+            assert limit is not None  # each raises an error of its own
+
+    def _actuate(self, plant: MultibodyPlant, instances: tuple[ModelInstanceIndex, ...], joints: list[Joint]) -> None:
+        commanded = {joint.name() for joint in joints}
+        for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
+            if actuator.model_instance() in instances:
+                if actuator.joint().name() in commanded:
+                    commanded.remove(actuator.joint().name())
+                else:
+                    plant.RemoveJointActuator(actuator)
+        efforts = dict(zip(self.joints, self.spec.effort, strict=False))
+        for joint in joints:
+            if joint.name() in commanded:
+                plant.AddJointActuator(joint.name(), joint, efforts.get(joint.name(), np.inf))
+
+    def _add_shapes(self, bodies: RobotBodies, *, points: bool) -> None:
+        """Add the shapes of the robot's file, and pads to fingers whose models bring none."""
+        plant, gripper = bodies.plant, self.spec.gripper
+        for shapes, instance, field in (
+            (self.spec.collision, bodies.instances[0], "collision"),
+            (gripper.collision, bodies.instances[-1], "gripper.collision"),
+        ):
+            for name, added in shapes.items():
+                add_shapes(plant, find_frame(plant, instance, name, f"{field}.{name}").body(), added)
+        file = self.gripper_model or self.model
+        for face, finger in zip(bodies.faces, bodies.fingers, strict=True):
+            if finger.name() in gripper.collision or not brings_pad(file, finger.name()):
+                add_pads(plant, face, gripper.pads, points=points)
+
+    def filter(self, bodies: RobotBodies, scene_graph: SceneGraph) -> None:
+        """Stop testing pairs of links that always touch, in the plant of the bodies, which is finalized."""
+        plant = bodies.plant
+        shapes: dict[str, GeometrySet] = {}
+        for body in bodies.links:
+            shapes.setdefault(body.name(), GeometrySet()).Add(plant.GetCollisionGeometriesForBody(body))
+        manager = scene_graph.collision_filter_manager()
+        for number, (first, second) in enumerate(self.touching):
+            for name in (first, second):
+                if name not in shapes:
+                    problem, field = "there is no body {value}", f"touching[{number}]"
+                    raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=shapes)
+            manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes[first], shapes[second]))
+
+    @cached_property
+    def touching(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of links that are not tested for contact with each other: those of the file, or found by sampling."""
+        return find_touching(self) if self.spec.touching is None else self.spec.touching
+
+
+def _overridden(*shapes: Mapping[str, object]) -> frozenset[str]:
+    return frozenset(name for each in shapes for name in each)
+
+
+def _freeze(values: object) -> FloatArray:
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+@lru_cache(maxsize=32)
+def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int) -> InverseKinematics:
+    return create_inverse_kinematics(kind, robot.chain, starts)
+
+
+def find_robot(name: str = DEFAULT) -> Robot:
+    """Return a robot that ships, or that of a file. A robot whose file has not changed is built once.
+
+    Raises:
+        IctampError: There is no such robot, or its file or models are not valid.
+    """
+    return _build(name, read_robot(name))
+
+
+@lru_cache(maxsize=32)
+def _build(name: str, spec: RobotSpec) -> Robot:
+    file = find_file(name)
+    with in_file(file):
+        folder, gripper = file.parent, spec.gripper.model
+        model = find_model(spec.model, folder, "model")
+        robot = Robot(name, spec, model, find_model(gripper, folder, "gripper.model") if gripper else None)
+        robot.check()
+    return robot
