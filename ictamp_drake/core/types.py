@@ -111,34 +111,38 @@ class Configuration:
     """c, the complete state from which the simulator continues. Immutable, picklable, compared bit for bit.
 
     Attributes:
-        q: Joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
+        q: Positions of the arm's joints, from the base to the hand [rad], shape (n,).
+        fingers: Positions of the joints of the fingers [m or rad], shape (m,).
         poses: Pose X_WO of every box by name, each of shape (7,).
         held: Box that the hand grips, or None when it grips nothing.
-        gripper: Last command to the hand; by default the widest opening of the Panda hand (`models.hand.MAX_OPENING`).
-        commanded: Last commanded positions of the arm, where the next motion starts [rad], shape (7,); by default those
+        gripper: Last command to the hand; by default closed.
+        commanded: Last commanded positions of the arm, where the next motion starts [rad], shape (n,); by default those
             of `q`, from which they differ by a fraction of a milliradian when the arm carries a load.
         x: Complete state of the simulated plant, shape (n,): positions and velocities in the plant's order, with
             quaternions that are not normalized; None when c was not simulated, and then everything is at rest.
     """
 
     q: FloatArray
+    fingers: FloatArray
     poses: Mapping[str, FloatArray]
     held: str | None = None
-    gripper: GripperCommand = GripperCommand(width=0.08)
+    gripper: GripperCommand = GripperCommand(width=0.0)
     commanded: FloatArray = None  # type: ignore[assignment]
     x: FloatArray | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q", _freeze(self.q))
+        object.__setattr__(self, "fingers", _freeze(self.fingers))
         object.__setattr__(self, "poses", {name: _freeze(self.poses[name]) for name in sorted(self.poses)})
-        object.__setattr__(self, "commanded", _freeze(self.q[:7] if self.commanded is None else self.commanded))
+        object.__setattr__(self, "commanded", _freeze(self.q if self.commanded is None else self.commanded))
         object.__setattr__(self, "x", None if self.x is None else _freeze(self.x))
 
     @cached_property
     def _key(self) -> tuple[Hashable, ...]:
         poses = tuple((name, pose.tobytes()) for name, pose in self.poses.items())
         state = None if self.x is None else self.x.tobytes()
-        return self.q.tobytes(), poses, self.held, self.gripper, self.commanded.tobytes(), state
+        joints = self.q.tobytes(), self.fingers.tobytes(), self.commanded.tobytes()
+        return *joints, poses, self.held, self.gripper, state
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Configuration) and self._key == other._key
@@ -148,7 +152,7 @@ class Configuration:
 
     def __reduce__(self) -> tuple[type["Configuration"], tuple[object, ...]]:
         # Arrays would lose their write protection otherwise.
-        return Configuration, (self.q, self.poses, self.held, self.gripper, self.commanded, self.x)
+        return Configuration, (self.q, self.fingers, self.poses, self.held, self.gripper, self.commanded, self.x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +165,7 @@ class Segment:
         gripper: Command to the hand, given at the segment's start or once the previous command is obeyed.
         order: Order of the B-spline (degree + 1).
         knots: Times from the segment's start [s], shape (n + order,).
-        control_points: Joint positions of the arm [rad], shape (n, 7); a single row means that the arm stands still.
+        control_points: Joint positions of the arm [rad], shape (n, joints); a single row means that the arm stands still.
         touches: Names of the boxes and supports that the arm, or a box in its hand, may touch; empty when it moves
             freely, None when nothing is known. Physics lets everything else sleep, and wakes it when touched.
     """

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.grip import GRAVITY, friction_load
 from ictamp_drake.motion.config import CarryingConfig
 from ictamp_drake.motion.trajectory import Trajectory
+from ictamp_drake.robots.grip import GRAVITY, friction_load
 
 _MOMENTS = 49
 """Number of moments of a trajectory at which loads are computed."""
@@ -25,11 +25,13 @@ class Load(NamedTuple):
         p_GO: Position of its center in G, shape (3,) [m].
         mass: Mass [kg].
         bearable: Largest load on the friction of the pads [N].
+        lever: Lever arm of the pads' friction, see `Hand.lever` [m].
     """
 
     p_GO: FloatArray
     mass: float
     bearable: float
+    lever: float
 
 
 def slow_down(
@@ -43,7 +45,7 @@ def slow_down(
 
     Args:
         trajectory: Motion of the arm.
-        forward: Function from joint positions to X_WG, (n, 7) [rad] -> (n, 4, 4).
+        forward: Function from joint positions to X_WG, (m, n) [rad] -> (m, 4, 4).
         box: Box in the hand.
         time_step: Time step of physics [s].
         config: Constants of the speed.
@@ -51,7 +53,7 @@ def slow_down(
     times = np.linspace(0.0, trajectory.duration, _MOMENTS)
     R_WG, acceleration, bend = _accelerations(trajectory, forward, box.p_GO, times)
     weight, push = (
-        friction_load(box.p_GO, box.mass * np.einsum("nji,nj->ni", R_WG, along))
+        friction_load(box.p_GO, box.mass * np.einsum("nji,nj->ni", R_WG, along), box.lever)
         for along in (np.broadcast_to([0.0, 0.0, GRAVITY], acceleration.shape), acceleration)
     )
     spare = box.bearable / config.reserve - weight

@@ -53,11 +53,11 @@ class CollisionScene:
         held_shrinkage: Length by which the held box is smaller on every side, so that resting contact is not a
             collision [m].
         padding: Largest padding for which `is_free` is quick [m].
-        without: Names of links of the arm that are left out of all collisions.
+        without: Links of the robot that are left out of all collisions.
     """
 
     def __init__(
-        self, world: World, held_shrinkage: float = 0.001, padding: float = 0.005, without: Collection[str] = ()
+        self, world: World, held_shrinkage: float = 0.001, padding: float = 0.005, without: Collection[RigidBody] = ()
     ) -> None:
         inspector = world.diagram.scene_graph().model_inspector()
         self._still = frozenset(
@@ -71,7 +71,7 @@ class CollisionScene:
         self._padding = padding if self._padded.are_grown else 0.0
 
     def is_free(self, c: Configuration, q: FloatArray, padding: float = 0.0) -> bool:
-        """Whether the arm at q, shape (7,) [rad], touches neither the scene nor itself.
+        """Whether the arm at q, shape (n,) [rad], touches neither the scene nor itself.
 
         Args:
             c: Configuration of everything else.
@@ -83,11 +83,11 @@ class CollisionScene:
         return not self._exact.query(c, q).HasCollisions() and (padding <= 0 or not self.contacts(c, q, padding))
 
     def are_free(self, c: Configuration, qs: FloatArray, padding: float = 0.0) -> bool:
-        """Whether all of qs, shape (m, 7), are free. Checks distant ones first and stops at the first contact."""
+        """Whether all of qs, shape (m, n), are free. Checks distant ones first and stops at the first contact."""
         return all(self.is_free(c, qs[i], padding) for i in sorted(range(len(qs)), key=lambda i: -(i & -i)))
 
     def contacts(self, c: Configuration, q: FloatArray, padding: float = 0.0) -> list[Contact]:
-        """Contacts at q, shape (7,) [rad]: pairs that overlap or are nearer than the padding, nearest first."""
+        """Contacts at q, shape (n,) [rad]: pairs that overlap or are nearer than the padding, nearest first."""
         found = []
         for pair in self._exact.query(c, q).ComputeSignedDistancePairwiseClosestPoints(padding):
             still = {pair.id_A, pair.id_B} & self._still
@@ -97,7 +97,7 @@ class CollisionScene:
         return sorted(found, key=lambda contact: contact.distance)
 
     def first_contact(self, c: Configuration, qs: FloatArray, padding: float = 0.0) -> Contact | None:
-        """First contact along qs, shape (m, 7), or None."""
+        """First contact along qs, shape (m, n), or None."""
         colliding = (q for q in qs if not self.is_free(c, q, padding))
         return next((contacts[0] for q in colliding if (contacts := self.contacts(c, q, padding))), None)
 
@@ -106,7 +106,7 @@ class CollisionScene:
         return min((contact.distance for contact in self.contacts(c, q, limit)), default=limit)
 
     def clearance_gradients(self, c: Configuration, q: FloatArray, limit: float) -> list[tuple[float, FloatArray]]:
-        """Distances below the limit [m] between moving and still things, each with its gradient by q, shape (7,)."""
+        """Distances below the limit [m] between moving and still things, each with its gradient by q, shape (n,)."""
         query = self._exact.query(c, q)
         found = []
         for pair in query.ComputeSignedDistancePairwiseClosestPoints(limit):
@@ -131,7 +131,7 @@ class _Shapes:
         still: frozenset[GeometryId],
         held_shrinkage: float,
         grown: float,
-        without: Collection[str],
+        without: Collection[RigidBody],
     ) -> None:
         self._shrinkage = held_shrinkage
         self._world = world
@@ -145,7 +145,9 @@ class _Shapes:
         self._held: tuple[str, GeometryId] | None = None
         self._c: Configuration | None = None
         self._q = self._plant.GetPositions(self._context).copy()
-        self._leave_only_collision_shapes(without)
+        robot = world.bodies.robot
+        self._arm, self._velocities = robot.arm, robot.velocities[: len(robot.arm)]
+        self._leave_only_collision_shapes([shape for body in without for shape in self._shapes(body)])
         self.are_grown = grown > 0 and all(self._grow(geometry, grown) for geometry in still)
         self._filters = self._scene_graph.collision_filter_manager(self._scene_context)
         self._filter(still)
@@ -158,11 +160,14 @@ class _Shapes:
         declaration.ExcludeWithin(GeometrySet([self._frame(body) for body in welded]))
         self._filters.Apply(declaration)
 
-    def _leave_only_collision_shapes(self, without: Collection[str]) -> None:
-        """Remove all other shapes, which every query would move too, and the shapes of the links in `without`."""
+    def _shapes(self, body: RigidBody) -> list[GeometryId]:
+        return self._plant.GetCollisionGeometriesForBody(body)
+
+    def _leave_only_collision_shapes(self, without: Collection[GeometryId]) -> None:
+        """Remove all other shapes, which every query would move too, and those in `without`."""
         inspector = self._inspector()
         for geometry in inspector.GetAllGeometryIds():
-            if inspector.GetProximityProperties(geometry) is None or self.name(geometry) in without:
+            if inspector.GetProximityProperties(geometry) is None or geometry in without:
                 self._scene_graph.RemoveGeometry(self._scene_context, self._source, geometry)
 
     def _grow(self, geometry: GeometryId, length: float) -> bool:
@@ -178,14 +183,14 @@ class _Shapes:
 
     def _enter(self, c: Configuration) -> None:
         """Put the boxes and fingers where c has them, and the held box into the hand."""
-        bodies = self._world.bodies
-        self._plant.SetPositions(self._context, bodies.arm, c.q)
+        bodies, robot = self._world.bodies, self._world.bodies.robot
+        self._plant.SetPositions(self._context, bodies.positions(c))
         for name, body in bodies.boxes.items():
             X_WO = _AWAY if name == c.held else to_transform(c.poses[name])
             self._plant.SetFloatingBaseBodyPoseInWorldFrame(self._context, body, X_WO)
         self._detach()
         if c.held is not None:
-            X_WH = self._plant.EvalBodyPoseInWorld(self._context, bodies.hand)
+            X_WH = self._plant.EvalBodyPoseInWorld(self._context, robot.hand)
             self._attach(c.held, X_WH.inverse() @ to_transform(c.poses[c.held]))
         self._q = self._plant.GetPositions(self._context).copy()
         self._c = c
@@ -198,9 +203,10 @@ class _Shapes:
     def _attach(self, name: str, X_HO: RigidTransform) -> None:
         box = GeometryInstance(X_HO, Box(self._world.sizes[name] - 2 * self._shrinkage), f"held_{name}")
         box.set_proximity_properties(ProximityProperties())
-        hand = self._frame(self._world.bodies.hand)
+        robot = self._world.bodies.robot
+        hand = self._frame(robot.hand)
         geometry = self._scene_graph.RegisterGeometry(self._scene_context, self._source, hand, box)
-        fingers = GeometrySet([self._frame(body) for body in self._world.bodies.fingers])
+        fingers = GeometrySet([self._frame(body) for body in robot.fingers])
         self._filters.Apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(geometry), fingers))
         self._held = name, geometry
 
@@ -208,15 +214,15 @@ class _Shapes:
         return self._plant.GetBodyFrameIdOrThrow(body.index())
 
     def query(self, c: Configuration, q: FloatArray) -> QueryObject:
-        """Query object for c with the arm at q, shape (7,) [rad]; valid until the next call."""
+        """Query object for c with the arm at q, shape (n,) [rad]; valid until the next call."""
         if c is not self._c and c != self._c:
             self._enter(c)
-        self._q[:7] = q  # the arm was added first, so its positions are the first ones
+        self._q[self._arm] = q
         self._plant.SetPositions(self._context, self._q)
         return self._port.Eval(self._scene_context)
 
     def jacobian(self, geometry: GeometryId, p_GC: FloatArray) -> FloatArray:
-        """Jacobian of the velocity in W of a point of a moving geometry at the last query, shape (3, 7)."""
+        """Jacobian of the velocity in W of a point of a moving geometry at the last query, shape (3, n)."""
         inspector = self._inspector()
         body = self._plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
         world = self._plant.world_frame()
@@ -228,7 +234,7 @@ class _Shapes:
             world,
             world,
         )
-        return np.asarray(jacobian)[:, :7]
+        return np.asarray(jacobian)[:, self._velocities]
 
     def name(self, geometry: GeometryId) -> str:
         """Name of the held box or of the body that the geometry belongs to."""

@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.hand import FINGER_DISK, HAND_CORE
 from ictamp_drake.models.shapes import support_shapes
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
@@ -15,11 +14,8 @@ from ictamp_drake.world.world import World
 OUT_OF_REACH = ""
 """Name of the obstacle where the arm has no posture, or is in its own way."""
 
-_LINKS = tuple(f"panda_link{number}" for number in range(7))
-_FINGERS = ("panda_leftfinger", "panda_rightfinger")
-_HAND = ("panda_link7", "panda_hand")
-_RING, _FARTHEST = 0.005, 1.0
-"""Distance between the radii at which reach is computed, and a radius that the arm does not reach [m]."""
+_RING = 0.005
+"""Distance between the radii at which reach is computed [m]."""
 
 
 class Columns:
@@ -35,10 +31,13 @@ class Columns:
     """
 
     def __init__(self, world: World, arm: ArmKinematics) -> None:
-        self.hand = CollisionScene(world, padding=0.0, without=_LINKS)
-        self.palm = CollisionScene(world, padding=0.0, without=(*_LINKS, *_FINGERS))
-        self.links = CollisionScene(world, padding=0.0, without=(*_HAND, *_FINGERS))
+        robot = world.bodies.robot
+        links = [body for body in robot.links if body not in robot.turning]
+        self.hand = CollisionScene(world, padding=0.0, without=links)
+        self.palm = CollisionScene(world, padding=0.0, without=(*links, *robot.moving))
+        self.links = CollisionScene(world, padding=0.0, without=robot.turning)
         self._arm = arm
+        self._farthest = float(np.linalg.norm(world.robot.chain.offsets, axis=1).sum()) + _RING
         self._spec = world.spec
 
     def blame(self, scene: CollisionScene, c: Configuration, qs: FloatArray) -> str:
@@ -47,7 +46,7 @@ class Columns:
         Args:
             scene: Collisions of the hand or of the other links.
             c: Configuration of everything but the arm.
-            qs: Postures of the arm, shape (m, 7) [rad].
+            qs: Postures of the arm, shape (m, n) [rad].
         """
         others = [contact.other for q in qs for contact in scene.contacts(c, q)]
         supports = [name for name in others if name in self._spec.supports]
@@ -63,7 +62,7 @@ class Columns:
             Shape (n,).
         """
         p_BG = (to_transform(self._spec.arm.X_WB).inverse() @ p_WG.T).T
-        ring = np.minimum(np.hypot(*p_BG.T[:2]), _FARTHEST) / _RING
+        ring = np.minimum(np.hypot(*p_BG.T[:2]), self._farthest) / _RING
         rings, number = np.unique([np.floor(ring), np.ceil(ring)], return_inverse=True)
         near = self._arm.is_within_reach(_RING * rings, float(p_BG[0, 2]))[number]
         return np.asarray(near.reshape(2, -1).any(axis=0))
@@ -77,14 +76,16 @@ class Columns:
         Returns:
             A name for each position, OUT_OF_REACH where no support is hit for certain.
         """
-        names = np.full(len(p_WG), OUT_OF_REACH, dtype=object)
+        names, hand = np.full(len(p_WG), OUT_OF_REACH, dtype=object), self._arm.robot.gripper.hand
         for name, support in self._spec.supports.items():
             for shape in support_shapes(support.kind, (support.size[0], support.size[1], support.size[2])):
                 X_WS = to_transform(support.X_WT) @ RigidTransform(np.array(shape.xyz))
                 p_SG, half = (X_WS.inverse() @ p_WG.T).T, np.array(shape.size) / 2
                 outside = np.linalg.norm(np.maximum(np.abs(p_SG[:, :2]) - half[:2], 0.0), axis=1)
                 inside = (half[:2] - np.abs(p_SG[:, :2])).min(axis=1)
-                meets = [(part, outside < part.radius) for part in HAND_CORE]
-                for part, hit in (*meets, (FINGER_DISK, inside > FINGER_DISK.radius)):
+                meets = [(part, outside < part.radius) for part in hand.core]
+                if hand.disk is not None:
+                    meets.append((hand.disk, inside > hand.disk.radius))
+                for part, hit in meets:
                     names[hit & (p_SG[:, 2] + part.bottom < half[2]) & (p_SG[:, 2] + part.top > -half[2])] = name
         return [str(name) for name in names]

@@ -4,14 +4,13 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.hand import PAD_HALF_HEIGHT
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
 
 def raised_path(kinematics: ArmKinematics, q0: FloatArray, q1: FloatArray, height: float) -> FloatArray | None:
-    """Path from q0 straight up until G is at a height [m], over to above q1 and straight down, shape (m, 7) [rad].
+    """Path from q0 straight up until G is at a height [m], over to above q1 and straight down, shape (m, n) [rad].
 
     Returns:
         None when the arm does not reach that high.
@@ -24,7 +23,7 @@ def raised_path(kinematics: ArmKinematics, q0: FloatArray, q1: FloatArray, heigh
 
 
 def _lift(kinematics: ArmKinematics, q: FloatArray, height: float) -> FloatArray | None:
-    """Path from q straight up until G is at the height, shape (m, 7); only q when G is there already."""
+    """Path from q straight up until G is at the height, shape (m, n); only q when G is there already."""
     X_WG = kinematics.forward(q)
     missing = height - X_WG.translation()[2]
     if missing <= 0:
@@ -51,9 +50,10 @@ def _distance_from_above(p: FloatArray, p0: FloatArray, p1: FloatArray) -> float
 
 def reach_below_grasp(world: World, c: Configuration, X_WG: RigidTransform) -> float:
     """Distance from G down to the lowest point of hand and held box in c, where the hand is at X_WG [m]."""
+    tips = world.robot.gripper.hand.pad_half_height
     if c.held is None:
-        return PAD_HALF_HEIGHT
+        return tips
     X_WO = to_transform(c.poses[c.held])
     half_height = float(np.abs(X_WO.rotation().matrix()[2]) @ world.sizes[c.held]) / 2
     lowest = float(X_WO.translation()[2]) - half_height
-    return max(PAD_HALF_HEIGHT, float(X_WG.translation()[2]) - lowest)
+    return max(tips, float(X_WG.translation()[2]) - lowest)

@@ -6,24 +6,15 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 
-from ictamp_drake.core.protocols import InverseKinematics
-from ictamp_drake.core.types import FloatArray, KinematicsKind
-from ictamp_drake.models.constants import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, HOME
-from ictamp_drake.models.kinematics import forward
+from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.config import KinematicsConfig
-from ictamp_drake.robots.chain import read_chain
-from ictamp_drake.robots.choice import create_inverse_kinematics, free_angles
-from ictamp_drake.world.build import add_panda
+from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.choice import free_angles
+from ictamp_drake.robots.robot import Robot
 from ictamp_drake.world.matrices import grasps
-
-LOWER: FloatArray = np.array([limits.lower for limits in ARM_LIMITS])
-UPPER: FloatArray = np.array([limits.upper for limits in ARM_LIMITS])
-VELOCITY: FloatArray = np.array([limits.velocity for limits in ARM_LIMITS])
-
 
 _ROUNDS = 4
 """Number of rounds in which angles of the free joint are checked for travel times, the nearest first."""
@@ -33,40 +24,48 @@ _LINES = 15
 
 
 class ArmKinematics:
-    """Kinematics of the arm on its base with nothing around it. Holds one Drake context."""
+    """Kinematics of the arm on its base with nothing around it. Holds one Drake context.
 
-    def __init__(self, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
+    Attributes:
+        robot: Robot.
+        config: Constants of inverse kinematics.
+        plant: Plant in which only the arm's joints move.
+        grasp: Frame G in this plant.
+        lower, upper: Limits of the joints less a margin, shape (n,) [rad].
+    """
+
+    def __init__(self, robot: Robot, X_WB: RigidTransform, config: KinematicsConfig | None = None) -> None:
+        self.robot = robot
         self.config = config or KinematicsConfig()
-        base = tuple(X_WB.GetAsMatrix34().ravel())
-        self.plant = _arm_plant(base)
+        bodies = _arm_plant(robot, tuple(X_WB.GetAsMatrix34().ravel()))
+        self.plant, self.grasp = bodies.plant, bodies.grasp
         self._X_BW, self._X_WB = X_WB.inverse(), X_WB.GetAsMatrix4()
         self._context = self.plant.CreateDefaultContext()
-        self._grasp = self.plant.GetFrameByName("grasp")
-        self.lower = LOWER + self.config.joint_margin
-        self.upper = UPPER - self.config.joint_margin
+        self.lower = robot.lower + self.config.joint_margin
+        self.upper = robot.upper - self.config.joint_margin
         self._limits = np.array([self.lower, self.upper])
         self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
-        self._inverse = _inverse_kinematics(base, self.config.kind, self.config.starts)
+        self._inverse = robot.inverse(self.config.kind, self.config.starts)
         self._angles = self._grid(self._limits, self.config.last_step)
 
     def forward(self, q: FloatArray) -> RigidTransform:
-        """X_WG at the arm's joint positions q, shape (7,) [rad]."""
+        """X_WG at the arm's joint positions q, shape (n,) [rad]."""
         self.plant.SetPositions(self._context, q)
-        return self.plant.CalcRelativeTransform(self._context, self.plant.world_frame(), self._grasp)
+        return self.plant.CalcRelativeTransform(self._context, self.plant.world_frame(), self.grasp)
 
     def forward_all(self, q: FloatArray) -> FloatArray:
-        """X_WG at many joint positions, shape (n, 7) [rad] -> (n, 4, 4)."""
-        X_WG: FloatArray = self._X_WB @ forward(q)
+        """X_WG at many joint positions, shape (m, n) [rad] -> (m, 4, 4)."""
+        X_WG: FloatArray = self._X_WB @ self.robot.forward(q)
         return X_WG
 
     def solve(
         self, X_WG: RigidTransform, q_guess: FloatArray, accept: Callable[[FloatArray], bool] | None = None
     ) -> FloatArray | None:
-        """Joint positions that bring G to X_WG, near q_guess and comfortable, shape (7,) [rad], or None.
+        """Joint positions that bring G to X_WG, near q_guess and comfortable, shape (n,) [rad], or None.
 
         Args:
             X_WG: Target pose of G.
-            q_guess: Joint positions that the solution should be near, shape (7,) [rad].
+            q_guess: Joint positions that the solution should be near, shape (n,) [rad].
             accept: Further condition that a solution must satisfy, e.g. freedom from collisions.
         """
         found = self._postures(X_WG, self._angles, self._limits)
@@ -86,21 +85,22 @@ class ArmKinematics:
         """Minimum time in which the arm could bring G to each pose, without regard to acceleration and obstacles.
 
         Args:
-            X_WG: Target poses of G, shape (n, 4, 4).
-            q: Joint positions of the arm, shape (7,) [rad].
+            X_WG: Target poses of G, shape (m, 4, 4).
+            q: Joint positions of the arm, shape (n,) [rad].
 
         Returns:
-            Shape (n,) [s], infinite where the arm has no posture.
+            Shape (m,) [s], infinite where the arm has no posture.
         """
         free, angles = self._inverse.free, self._grid(self._limits, self.config.travel_step)
-        turns = np.zeros(1) if free is None else np.abs(angles - q[free]) / VELOCITY[free]
+        velocity = self.robot.velocity
+        turns = np.zeros(1) if free is None else np.abs(angles - q[free]) / velocity[free]
         order = np.argsort(turns, kind="stable")
         least = np.full(len(X_WG), np.inf)
         X_BG = self._X_BW.GetAsMatrix4() @ X_WG
         for some in np.array_split(order, min(_ROUNDS, len(order))):
             open_ = np.flatnonzero(least > turns[some[0]])  # the free joint alone takes longer from here on
             found, pose = self._inverse.postures(X_BG[open_], angles[some], self._limits)
-            np.minimum.at(least, open_[pose], (np.abs(found - q) / VELOCITY).max(axis=1))
+            np.minimum.at(least, open_[pose], (np.abs(found - q) / velocity).max(axis=1))
         return least
 
     def turning_postures(self, X_WG: RigidTransform) -> FloatArray:
@@ -110,7 +110,7 @@ class ArmKinematics:
         postures, with another angle of the last joint, are those of every turn of the hand.
 
         Returns:
-            Shape (m, 7) [rad]; all joints but the last are within their limits.
+            Shape (m, n) [rad]; all joints but the last are within their limits.
         """
         limits = self._limits_without(-1)
         return self._postures(X_WG, self._grid(limits, self.config.last_step), limits)
@@ -132,11 +132,11 @@ class ArmKinematics:
         return np.bincount(pose, minlength=len(radius)) > 0
 
     def _postures(self, X_WG: RigidTransform, angles: FloatArray, limits: FloatArray) -> FloatArray:
-        """Known postures with G at X_WG, shape (m, 7) [rad]."""
+        """Known postures with G at X_WG, shape (m, n) [rad]."""
         return self._inverse.postures((self._X_BW @ X_WG).GetAsMatrix4()[None], angles, limits)[0]
 
     def _limits_without(self, *joints: int) -> FloatArray:
-        """Limits of the joints, infinite for those given, shape (2, 7) [rad]."""
+        """Limits of the joints, infinite for those given, shape (2, n) [rad]."""
         limits = self._limits.copy()
         limits[:, joints] = [[-np.inf], [np.inf]]
         return limits
@@ -145,12 +145,12 @@ class ArmKinematics:
         return free_angles(self._inverse.free, limits, step)
 
     def comfortable_posture(self, X_WG: RigidTransform) -> FloatArray:
-        """The arm's comfortable posture, turned about its base towards G, shape (7,) [rad]."""
+        """The arm's comfortable posture, turned about its base towards G, shape (n,) [rad]."""
         x, y, _ = self._X_BW @ X_WG.translation()
-        return np.clip(np.append(np.arctan2(y, x), HOME[1:]), self.lower, self.upper)
+        return np.clip(self.robot.face(x, y), self.lower, self.upper)
 
     def line(self, q0: FloatArray, X_WG1: RigidTransform) -> FloatArray | None:
-        """Joint positions along the straight line of G from its pose at q0 to X_WG1, shape (m, 7) [rad].
+        """Joint positions along the straight line of G from its pose at q0 to X_WG1, shape (m, n) [rad].
 
         The hand turns evenly when the orientations differ. None when a joint limit or a singularity is in the way.
         """
@@ -188,12 +188,12 @@ class ArmKinematics:
         return None
 
     def jacobian(self, q: FloatArray) -> FloatArray:
-        """Jacobian of G's spatial velocity in W, angular first, shape (6, 7)."""
+        """Jacobian of G's spatial velocity in W, angular first, shape (6, n)."""
         self.plant.SetPositions(self._context, q)
         world = self.plant.world_frame()
         return np.asarray(
             self.plant.CalcJacobianSpatialVelocity(
-                self._context, JacobianWrtVariable.kV, self._grasp, np.zeros(3), world, world
+                self._context, JacobianWrtVariable.kV, self.grasp, np.zeros(3), world, world
             )
         )
 
@@ -206,39 +206,24 @@ def _interpolate_pose(X_WA: RigidTransform, X_WB: RigidTransform, s: float) -> R
 
 
 @lru_cache(maxsize=16)
-def _inverse_kinematics(base: tuple[float, ...], kind: KinematicsKind, starts: int) -> InverseKinematics:
-    """Inverse kinematics of the arm. Arms with the same base share it, since the choice of a kind may take a while."""
-    plant = _arm_plant(base)
-    base_frame, grasp = plant.GetFrameByName("panda_link0"), plant.GetFrameByName("grasp")
-    return create_inverse_kinematics(kind, read_chain(plant, ARM_JOINTS, base_frame, grasp), starts)
-
-
-@lru_cache(maxsize=16)
-def _arm_plant(base: tuple[float, ...]) -> MultibodyPlant:
-    """Plant of the seven joints only. The fingers are welded, and frame `target` can be put anywhere.
+def _arm_plant(robot: Robot, base: tuple[float, ...]) -> RobotBodies:
+    """Robot in a plant in which only the arm's joints move; frame `target` can be put anywhere.
 
     Args:
+        robot: Robot.
         base: The 12 numbers of X_WB's upper three rows. Arms with the same base share a plant, which never changes.
     """
     plant = MultibodyPlant(0.0)
-    add_panda(Parser(plant))
     X_WB = np.reshape(base, (3, 4))
-    plant.WeldFrames(
-        plant.world_frame(),
-        plant.GetFrameByName("panda_link0"),
-        RigidTransform(RotationMatrix(X_WB[:, :3]), X_WB[:, 3]),
-    )
+    bodies = robot.add_to(plant, RigidTransform(RotationMatrix(X_WB[:, :3]), X_WB[:, 3]))
     for constraint in plant.GetConstraintIds():
         plant.RemoveConstraint(constraint)
-    fingers = [plant.GetJointByName(name) for name in FINGER_JOINTS]
-    for index in plant.GetJointActuatorIndices():
-        actuator = plant.get_joint_actuator(index)
-        if actuator.joint().name() in FINGER_JOINTS:
-            plant.RemoveJointActuator(actuator)
-    for joint in fingers:
+    for actuator in bodies.actuators[len(bodies.arm_joints) :]:
+        plant.RemoveJointActuator(actuator)
+    for joint in bodies.finger_joints:
         parent, child = joint.frame_on_parent(), joint.frame_on_child()
         plant.RemoveJoint(joint)
         plant.WeldFrames(parent, child)
     plant.AddFrame(FixedOffsetFrame("target", plant.world_frame(), RigidTransform()))
     plant.Finalize()
-    return plant
+    return bodies

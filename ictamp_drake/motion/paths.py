@@ -6,7 +6,6 @@ import numpy as np
 from ompl import base, geometric, util
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.config import PathConfig
 
 util.setLogLevel(util.LOG_NONE)
@@ -21,18 +20,18 @@ def find_path(
     rng: np.random.Generator,
     config: PathConfig,
 ) -> FloatArray | None:
-    """A path of straight edges from q0 to q1, shape (m, 7) [rad], or None when no checks are left.
+    """A path of straight edges from q0 to q1, shape (m, n) [rad], or None when no checks are left.
 
     Args:
-        q0, q1: Joint positions at the ends, shape (7,) [rad].
+        q0, q1: Joint positions at the ends, shape (n,) [rad].
         is_free: Whether a configuration is free of collisions.
-        limits: Lower and upper joint limits, each of shape (7,) [rad].
+        limits: Lower and upper joint limits, each of shape (n,) [rad].
         rng: Random numbers that seed the library's own, so that the same state gives the same path.
         config: Constants of the search.
     """
     util.RNG.setSeed(int(rng.integers(1, 2**31)))
     space = _space(q0, q1, limits, config)
-    checker = _Checker(is_free)
+    checker = _Checker(is_free, len(q0))
     information = base.SpaceInformation(space)
     information.setStateValidityChecker(checker.check)
     information.setup()
@@ -47,19 +46,20 @@ def find_path(
         return None
     path = problem.getSolutionPath()
     geometric.PathSimplifier(information).partialShortcutPath(path, config.shortcuts)
-    return np.array([_array(path.getState(i)) for i in range(path.getStateCount())])
+    return np.array([_array(path.getState(i), len(q0)) for i in range(path.getStateCount())])
 
 
 class _Checker:
     """Counts its calls. It must not refer to the library's objects: they refer to it and would never be freed."""
 
-    def __init__(self, is_free: Callable[[FloatArray], bool]) -> None:
+    def __init__(self, is_free: Callable[[FloatArray], bool], joints: int) -> None:
         self.checks = 0
         self._is_free = is_free
+        self._joints = joints
 
     def check(self, state: base.State) -> bool:
         self.checks += 1
-        return self._is_free(_array(state))
+        return self._is_free(_array(state, self._joints))
 
 
 def _space(
@@ -86,5 +86,5 @@ def _state(space: base.RealVectorStateSpace, q: FloatArray) -> base.State:
     return state
 
 
-def _array(state: base.State) -> FloatArray:
-    return np.array([state[i] for i in range(len(HOME))])
+def _array(state: base.State, joints: int) -> FloatArray:
+    return np.array([state[i] for i in range(joints)])

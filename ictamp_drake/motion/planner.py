@@ -9,7 +9,6 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.grip import bearable
 from ictamp_drake.motion.carrying import Load, slow_down
 from ictamp_drake.motion.collision import CollisionScene, Contact
 from ictamp_drake.motion.config import MotionConfig
@@ -18,6 +17,7 @@ from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.paths import find_path
 from ictamp_drake.motion.trajectory import Trajectory, sample
 from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryOptimizer
+from ictamp_drake.robots.grip import bearable
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
@@ -64,8 +64,8 @@ class MotionPlanner:
         """Prepare to plan in a scene, for physics with a time step [s]."""
         self.config = config or MotionConfig()
         self._time_step = time_step
-        self.kinematics = ArmKinematics(to_transform(world.spec.arm.X_WB), self.config.kinematics)
-        self.optimizer = TrajectoryOptimizer(self.config.trajectory)
+        self.kinematics = ArmKinematics(world.robot, to_transform(world.spec.arm.X_WB), self.config.kinematics)
+        self.optimizer = TrajectoryOptimizer(world.robot, self.config.trajectory)
         self.scene = CollisionScene(world, self.config.held_shrinkage, self.config.padding)
         self._world = world
 
@@ -76,7 +76,7 @@ class MotionPlanner:
         q_guess: FloatArray,
         towards: RigidTransform | None = None,
     ) -> FloatArray | Refusal:
-        """Joint positions with G at X_WG and no collision, near q_guess, shape (7,) [rad].
+        """Joint positions with G at X_WG and no collision, near q_guess, shape (n,) [rad].
 
         Args:
             c: Configuration of what is around and in the hand.
@@ -125,7 +125,7 @@ class MotionPlanner:
     def transfer(
         self, c: Configuration, q0: FloatArray, q1: FloatArray, rng: np.random.Generator
     ) -> PlannedMotion | Refusal:
-        """Motion from q0 to q1, both of shape (7,) [rad], on any way that is free."""
+        """Motion from q0 to q1, both of shape (n,) [rad], on any way that is free."""
         room = self.config.padding
         for q, failure in ((q0, Failure.NO_PATH), (q1, Failure.GOAL_IN_COLLISION)):
             nearest = min(self.scene.contacts(c, q, self.config.padding), default=None, key=lambda each: each.distance)
@@ -147,8 +147,9 @@ class MotionPlanner:
         """
         assert c.held is not None
         box = self._world.spec.boxes[c.held]
-        X_GO = self.kinematics.forward(c.q[:7]).inverse() @ to_transform(c.poses[c.held])
-        load = Load(X_GO.translation(), box.mass, bearable(c.gripper.force, box.friction))
+        X_GO = self.kinematics.forward(c.q).inverse() @ to_transform(c.poses[c.held])
+        lever = self._world.robot.gripper.hand.lever
+        load = Load(X_GO.translation(), box.mass, bearable(c.gripper.force, box.friction), lever)
         carried: list[Trajectory] = []
         for trajectory in trajectories:
             slower = slow_down(trajectory, self.kinematics.forward_all, load, self._time_step, self.config.carrying)
@@ -179,7 +180,7 @@ class MotionPlanner:
         """A path over what stands in between."""
         p0, p1 = (self.kinematics.forward(q).translation() for q in (q0, q1))
         height = obstacle_height(self._world, c, p0, p1, self.config.hand_width) + self.config.rise
-        height += reach_below_grasp(self._world, c, self.kinematics.forward(c.q[:7]))
+        height += reach_below_grasp(self._world, c, self.kinematics.forward(c.q))
         return raised_path(self.kinematics, q0, q1, height)
 
     def _fit_path(self, path: FloatArray | None) -> Iterator[Trajectory]:

@@ -22,7 +22,7 @@ class Trajectory:
     Attributes:
         order: Degree + 1.
         knots: Knots from 0 to the duration [s], shape (n + order,).
-        control_points: Control points [rad], shape (n, 7).
+        control_points: Control points [rad], shape (m, n).
     """
 
     order: int
@@ -36,12 +36,12 @@ class Trajectory:
 
     @property
     def start(self) -> FloatArray:
-        """Joint positions at the start, shape (7,) [rad]."""
+        """Joint positions at the start, shape (n,) [rad]."""
         return self.control_points[0]
 
     @property
     def end(self) -> FloatArray:
-        """Joint positions at the end, shape (7,) [rad]."""
+        """Joint positions at the end, shape (n,) [rad]."""
         return self.control_points[-1]
 
     @cached_property
@@ -49,11 +49,11 @@ class Trajectory:
         return BSpline(self.knots, self.control_points, self.order - 1)
 
     def positions(self, times: FloatArray) -> FloatArray:
-        """Joint positions at times, shape (m,) [s], as an array of shape (m, 7) [rad]."""
+        """Joint positions at times, shape (m,) [s], as an array of shape (m, n) [rad]."""
         return np.asarray(self._spline(times))
 
     def derivatives(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Joint positions [rad], velocities and accelerations at times, shape (m,) [s], each of shape (m, 7)."""
+        """Joint positions [rad], velocities and accelerations at times, shape (m,) [s], each of shape (m, n)."""
         first, second = self._spline.derivative(1), self._spline.derivative(2)
         return self.positions(times), np.asarray(first(times)), np.asarray(second(times))
 
@@ -72,13 +72,13 @@ class Trajectory:
 
 
 def sample(trajectory: Trajectory, forward: Callable[[FloatArray], FloatArray], step: float, turn: float) -> FloatArray:
-    """Joint positions along a trajectory, both ends included, shape (m, 7) [rad].
+    """Joint positions along a trajectory, both ends included, shape (m, n) [rad].
 
     Between neighbors the hand moves at most `step` [m], and neither hand nor any joint turns more than `turn` [rad].
 
     Args:
         trajectory: Trajectory to sample.
-        forward: Function from many joint positions to X_WG, (n, 7) -> (n, 4, 4).
+        forward: Function from many joint positions to X_WG, (m, n) -> (m, 4, 4).
         step, turn: Limits, see above.
     """
     times = np.linspace(0.0, trajectory.duration, _PROBES)

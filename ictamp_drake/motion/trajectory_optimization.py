@@ -9,10 +9,10 @@ from pydrake.solvers import Binding, LinearConstraint, SnoptSolver, SolverOption
 from scipy.interpolate import BSpline
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import ARM_LIMITS
 from ictamp_drake.motion.config import MIN_DURATION, TrajectoryConfig
 from ictamp_drake.motion.splines import differentiation, knots, paces
 from ictamp_drake.motion.trajectory import Trajectory
+from ictamp_drake.robots.robot import Robot
 
 _TOLERANCE = 1e-3
 """Optimality tolerance of SNOPT. Finer ones shorten no trajectory by more than a thousandth."""
@@ -23,7 +23,7 @@ class HalfSpace(NamedTuple):
 
     Attributes:
         share: Moment as a fraction of the duration.
-        normal: Normal in joint space, shape (7,).
+        normal: Normal in joint space, shape (n,).
         offset: Bound in the unit of normal times radian.
     """
 
@@ -35,24 +35,23 @@ class HalfSpace(NamedTuple):
 class TrajectoryOptimizer:
     """Finds the fastest splines within the joints' limits. Keeps up to two programs per number of control points."""
 
-    def __init__(self, config: TrajectoryConfig | None = None) -> None:
+    def __init__(self, robot: Robot, config: TrajectoryConfig | None = None) -> None:
         self.config = config or TrajectoryConfig()
-        limits = np.array(ARM_LIMITS)
-        self.lower, self.upper = limits[:, 0], limits[:, 1]
+        self.lower, self.upper = robot.lower, robot.upper
         fractions = np.array([self.config.velocity, self.config.acceleration, self.config.jerk])
-        self.bounds = limits[:, 2:5].T * fractions[:, None]
-        """Largest velocity, acceleration and jerk of each joint, shape (3, 7) [rad/s, rad/s^2, rad/s^3]."""
+        self.bounds = np.array([robot.velocity, robot.acceleration, robot.jerk]) * fractions[:, None]
+        """Largest velocity, acceleration and jerk of each joint, shape (3, n) [rad/s, rad/s^2, rad/s^3]."""
         self._programs: dict[tuple[int, int], _TrajectoryProgram] = {}
 
     def connect(self, q0: FloatArray, q1: FloatArray) -> Trajectory:
-        """Trajectory from q0 to q1, both of shape (7,) [rad], whatever is in the way."""
+        """Trajectory from q0 to q1, both of shape (n,) [rad], whatever is in the way."""
         return self.adjust(self.follow(np.array([q0, q1]), self.config.control_points), np.inf)
 
     def follow_corridor(self, path: FloatArray, radius: float, control_points: int) -> Trajectory:
         """Trajectory through the corridor around a path, from its first to its last row.
 
         Args:
-            path: Joint positions joined by straight lines, shape (m, 7) [rad].
+            path: Joint positions joined by straight lines, shape (m, n) [rad].
             radius: Distance by which each coordinate of a control point may leave the path [rad].
             control_points: Number of control points, at least `LEAST_POINTS`. More follow a crooked path more closely.
         """
@@ -62,7 +61,7 @@ class TrajectoryOptimizer:
         """Trajectory along a path, in closed form: all control points lie on it, and only the pace is chosen.
 
         Args:
-            path: Joint positions joined by straight lines, shape (m, 7) [rad].
+            path: Joint positions joined by straight lines, shape (m, n) [rad].
             control_points: Number of control points, at least `LEAST_POINTS`.
         """
         efforts = (np.abs(np.diff(path, axis=0)) / self.bounds[1]).max(axis=1)  # acceleration limits short ways
@@ -93,7 +92,7 @@ class TrajectoryOptimizer:
         return self._programs[control_points, limits]
 
     def shortest_durations(self, points: FloatArray, limits: int = 3) -> FloatArray:
-        """Minimum durations [s] for the control points of splines, shape (..., n, 7) -> (...).
+        """Minimum durations [s] for the control points of splines, shape (..., m, n) -> (...).
 
         Args:
             points: Control points.
@@ -111,7 +110,7 @@ class _TrajectoryProgram:
     def __init__(self, optimizer: TrajectoryOptimizer, control_points: int, limits: int) -> None:
         self._optimizer, self._limits = optimizer, limits
         config = optimizer.config
-        self._trajectory = KinematicTrajectoryOptimization(7, control_points, config.order)
+        self._trajectory = KinematicTrajectoryOptimization(len(optimizer.lower), control_points, config.order)
         program = self._trajectory.get_mutable_prog()
         self._points, self._duration = self._trajectory.control_points(), self._trajectory.duration()
         add = self._trajectory.AddVelocityBounds, self._trajectory.AddAccelerationBounds, self._trajectory.AddJerkBounds
@@ -127,7 +126,7 @@ class _TrajectoryProgram:
         self._options.SetOption(SnoptSolver.id(), "Iterations limit", 50 * config.iterations)
 
     def solve(self, guess: FloatArray, radius: float, demands: Sequence[HalfSpace]) -> FloatArray:
-        """Control points of a quick trajectory, at most `radius` from those of the guess, shape (n, 7).
+        """Control points of a quick trajectory, at most `radius` from those of the guess, shape (m, n).
 
         Any control points obey the limits when time is stretched. The result of an unfinished optimization can
         therefore be used if it is better than the guess. Demands that cannot be met are left unmet.
@@ -174,11 +173,11 @@ def _profile(n: int) -> FloatArray:
 
 
 def _spread(path: FloatArray, shares: FloatArray) -> FloatArray:
-    """Points at fractions of the path's length, shape (n, 7)."""
+    """Points at fractions of the path's length, shape (m, n)."""
     return _interpolate_path(path, np.linalg.norm(np.diff(path, axis=0), axis=1), shares)
 
 
 def _interpolate_path(path: FloatArray, lengths: FloatArray, shares: FloatArray) -> FloatArray:
-    """Points at fractions of a path's length, shape (...) -> (..., 7), given the lengths of its pieces."""
+    """Points at fractions of a path's length, shape (...) -> (..., n), given the lengths of its pieces."""
     places = np.append(0.0, np.cumsum(lengths))
     return np.stack([np.interp(shares * places[-1], places, column) for column in path.T], axis=-1)

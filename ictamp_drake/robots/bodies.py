@@ -83,14 +83,21 @@ class RobotBodies:
         moved = self.plant.GetBodiesKinematicallyAffectedBy([self.arm_joints[-1].index()])
         return tuple(map(self.plant.get_body, moved))
 
-    def actuators(self, instance: ModelInstanceIndex) -> list[tuple[JointActuator, int]]:
-        """Return the actuators of a model instance in Drake's order.
+    @cached_property
+    def moving(self) -> tuple[RigidBody, ...]:
+        """Links that the joints of the fingers move."""
+        moved = self.plant.GetBodiesKinematicallyAffectedBy([joint.index() for joint in self.finger_joints])
+        return tuple(map(self.plant.get_body, moved))
 
-        Each comes with its place in a command to the robot, which lists the joints of the arm and then the driven ones.
-        """
-        places = {joint.index(): place for place, joint in enumerate(self.arm_joints + self.driven)}
-        actuators = map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices(instance))
-        return [(actuator, places[actuator.joint().index()]) for actuator in actuators]
+    @cached_property
+    def actuators(self) -> tuple[JointActuator, ...]:
+        """Actuators of the arm's joints, then of the driven joints of the fingers: the order of a command."""
+        actuators = map(self.plant.get_joint_actuator, self.plant.GetJointActuatorIndices())
+        return tuple(actuator for actuator in actuators if actuator.model_instance() in self.instances)
+
+    def parts(self, instance: ModelInstanceIndex) -> tuple[bool, bool]:
+        """Whether a model instance contains the arm, and whether it contains the gripper."""
+        return instance == self.instances[0], instance == self.instances[-1]
 
 
 def find_frame(plant: MultibodyPlant, instance: ModelInstanceIndex, name: str, field: str) -> Frame:

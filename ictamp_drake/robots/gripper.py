@@ -72,6 +72,17 @@ class Gripper:
         """Return the positions of all joints of the fingers at a width [m], shape (joints,)."""
         return self._places(np.array([width]))[0]
 
+    def enclose(self, width: float, middle: float) -> FloatArray:
+        """Return the positions of all joints at which the pads touch something of a width, shape (joints,).
+
+        Args:
+            width: Its width [m].
+            middle: Position of its center along G's y axis [m]. Fingers that move one by one reach it there.
+        """
+        if self.shares is None or len(self.shares) != 2:
+            return self.positions(width)
+        return np.clip((width / 2 + middle * np.array([1.0, -1.0])) * 2 * self.shares, 0.0, self.opening * self.shares)
+
     def drive(self, widths: FloatArray) -> FloatArray:
         """Return the positions of the driven joints at widths, shape (n,) [m] -> (driven, n)."""
         return self._places(widths)[:, list(self.driven)].T
@@ -109,10 +120,15 @@ class Gripper:
         """Return how far along G's z axis the pads' centers are when they are `width` apart [m]."""
         return float(np.interp(width, self.widths, self.rises))
 
-    def gains(self) -> tuple[FloatArray, FloatArray]:
+    def gains(self, stiffness: float | None = None, damping: float | None = None) -> tuple[FloatArray, FloatArray]:
         """Return stiffness and damping of the driven joints' controllers, each of shape (driven,).
 
         Those of the pads are converted by the lever arms at the middle of the widths.
+
+        Args:
+            stiffness: Stiffness at the pads [N/m]; by default that of the robot's file.
+            damping: Damping at the pads [N s/m]; by default that of the robot's file.
         """
         levers = (self.pulls[len(self.pulls) // 2] ** 2).sum(axis=1)
-        return self.spec.stiffness * levers, self.spec.damping * levers
+        stiffness = self.spec.stiffness if stiffness is None else stiffness
+        return stiffness * levers, (self.spec.damping if damping is None else damping) * levers

@@ -149,7 +149,6 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
     q = np.zeros(plant.num_positions())
     q[bodies.gripper] = moves.places[-1]
     plant.SetPositions(context, q)
-    moved = plant.GetBodiesKinematicallyAffectedBy([joint.index() for joint in bodies.finger_joints])
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1)
     found: tuple[list[FloatArray], list[FloatArray]] = ([], [])
     for body in bodies.turning:
@@ -157,7 +156,7 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
         for geometry in plant.GetCollisionGeometriesForBody(body):
             box = inspector.GetObbInGeometryFrame(geometry)
             X_GO = X_GB @ inspector.GetPoseInFrame(geometry) @ box.pose()
-            found[body.index() not in moved].append((X_GO @ (signs * box.half_width()[:, None])).T)
+            found[body not in bodies.moving].append((X_GO @ (signs * box.half_width()[:, None])).T)
     return found
 
 

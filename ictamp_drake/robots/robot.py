@@ -36,6 +36,10 @@ from ictamp_drake.robots.panda import is_panda
 from ictamp_drake.robots.spec import DEFAULT, RobotSpec, find_file, read_robot
 
 
+_ALIGNED = 1e-6
+"""Largest deviation of axes and points that count as aligned [1 or m]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Robot:
     """An arm with a gripper.
@@ -133,6 +137,28 @@ class Robot:
         """X_BG at the arm's joint positions, shape (m, n) [rad] -> (m, 4, 4)."""
         return panda_forward(q) if self._is_panda else self.chain.forward(q)
 
+    @cached_property
+    def waist(self) -> float:
+        """1 or -1 if the first joint turns the arm about the base's z axis, or against it; else 0."""
+        return _align(self.chain.axes[0], np.array([0.0, 0.0, 1.0]))
+
+    @cached_property
+    def wrist(self) -> float:
+        """1 or -1 if the last joint turns the hand about G's z axis, or against it, and leaves G where it is; else 0."""
+        offset, axis = self.chain.offsets[-1], self.chain.axes[-1]
+        is_on_axis = np.abs(np.cross(offset, axis)).max() < _ALIGNED
+        return _align(axis, self.chain.rotation[:, 2]) if is_on_axis else 0.0
+
+    def face(self, x: float, y: float) -> FloatArray:
+        """Return home, with the arm turned about its waist so that G is where x and y of the base frame point to.
+
+        An arm without a waist stays as it is.
+        """
+        ahead = np.round(self.forward(self.home[None])[0, :2, 3], 6)
+        first = self.home[0] + self.waist * (np.arctan2(y, x) - np.arctan2(ahead[1], ahead[0]))
+        first += 2 * np.pi * np.round((self.home[0] - first) / (2 * np.pi))
+        return np.append(first, self.home[1:])
+
     def inverse(self, kind: KinematicsKind, starts: int) -> InverseKinematics:
         """Return the inverse kinematics of a kind, see `robots.choice`; `auto` leaves the choice to the robot's file.
 
@@ -153,8 +179,7 @@ class Robot:
     def add_to(self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes = "contact") -> RobotBodies:
         """Add the robot to a plant that is not finalized, and fix its base at a pose.
 
-        Joints that are commanded and have no actuator get one, and all other actuators are removed. Call `filter` once
-        the plant is finalized.
+        The plant has actuators of the joints that are commanded and no others. Call `filter` once it is finalized.
         """
         spec, gripper = self.spec, self.spec.gripper
         arm = held = add_model(plant, self.model, shapes, _overridden(spec.collision, gripper.collision), "model")
@@ -201,17 +226,17 @@ class Robot:
             assert limit is not None  # each raises an error of its own
 
     def _actuate(self, plant: MultibodyPlant, instances: tuple[ModelInstanceIndex, ...], joints: list[Joint]) -> None:
-        commanded = {joint.name() for joint in joints}
-        for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
-            if actuator.model_instance() in instances:
-                if actuator.joint().name() in commanded:
-                    commanded.remove(actuator.joint().name())
-                else:
-                    plant.RemoveJointActuator(actuator)
+        actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+        found = {each.joint().index(): each for each in actuators if each.model_instance() in instances}
+        if list(found) == [joint.index() for joint in joints]:
+            return
+        limits = {index: actuator.effort_limit() for index, actuator in found.items()}
+        for actuator in found.values():
+            plant.RemoveJointActuator(actuator)
         efforts = dict(zip(self.joints, self.spec.effort, strict=False))
         for joint in joints:
-            if joint.name() in commanded:
-                plant.AddJointActuator(joint.name(), joint, efforts.get(joint.name(), np.inf))
+            limit = limits.get(joint.index(), efforts.get(joint.name(), np.inf))
+            plant.AddJointActuator(f"{joint.name()}_actuator", joint, limit)
 
     def _add_shapes(self, bodies: RobotBodies, *, points: bool) -> None:
         """Add the shapes of the robot's file, and pads to fingers whose models bring none."""
@@ -245,6 +270,12 @@ class Robot:
     def touching(self) -> tuple[tuple[str, str], ...]:
         """Pairs of links that are not tested for contact with each other: those of the file, or found by sampling."""
         return find_touching(self) if self.spec.touching is None else self.spec.touching
+
+
+def _align(axis: FloatArray, other: FloatArray) -> float:
+    """Return 1 or -1 if an axis is along another one or against it, else 0."""
+    cosine = float(axis @ other)
+    return float(np.sign(cosine)) if abs(cosine) > 1 - _ALIGNED else 0.0
 
 
 def _overridden(*shapes: Mapping[str, object]) -> frozenset[str]:

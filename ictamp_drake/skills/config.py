@@ -14,11 +14,9 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Configuration
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
-from ictamp_drake.models.constants import MAX_GRIP_FORCE
-from ictamp_drake.models.grip import LEAST_FORCE, SAFETY
-from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.observation.situations import LIFT
+from ictamp_drake.robots.grip import LEAST_FORCE, SAFETY
 from ictamp_drake.skills.context import SamplerConfig, SamplerContext, SkillConfig, SkillContext
 
 if TYPE_CHECKING:
@@ -46,10 +44,10 @@ GRID_STEP, GRID_TURN = 0.005, 10.0
 
 
 def check_clearances(field: str, clearances: Sequence[float]) -> None:
-    """Raise IctampError unless there is a clearance and all are between 0 and the opening of the hand [m]."""
+    """Raise IctampError unless there is a clearance and all are between 0 and 0.1 m."""
     if not clearances:
         raise IctampError(Code.EMPTY, "expected one number or more, got {value}", field=field, value=clearances)
-    check_vector(field, clearances, 0, MAX_OPENING, " m", count=None)
+    check_vector(field, clearances, 0, 0.1, " m", count=None)
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ class OptimizationConfig:
 
     Attributes:
         restarts: Maximum number of programs tried for one k.
-        max_width: Widest side that is gripped [m].
+        max_width: Widest side that is gripped [m]. By default what fits between the fingers.
         depth: Minimum and maximum distance of G below the box's top [m].
         ground: Minimum distance of G above the box's bottom [m].
         grip_offset: Maximum distance of G from the box's center, across the fingers' direction and along it [m].
@@ -99,7 +97,7 @@ class OptimizationConfig:
     """
 
     restarts: int = 6
-    max_width: float = MAX_SIDE
+    max_width: float | None = None
     depth: tuple[float, float] = (0.012, 0.034)
     ground: float = 0.014
     grip_offset: tuple[float, float] = (0.008, 0.001)
@@ -123,11 +121,10 @@ class OptimizationConfig:
             self,
             "samplers.optimization",
             restarts=(1, 1e6),
-            max_width=(1e-3, MAX_OPENING),
             ground=(0, 1),
             turn=(0, 3),
             overhang=(0, 1),
-            play=(0, MAX_OPENING),
+            play=(0, 0.1),
             clearance=(0, 1),
             spots=(1, 1e6),
             room=(0, 10),
@@ -135,6 +132,8 @@ class OptimizationConfig:
             comfort=(0, 1e9),
             spread=(0, 10),
         )
+
+        check_range("samplers.optimization.max-width", self.max_width or 1.0, 1e-3, 1)
 
     @property
     def tight(self) -> "OptimizationConfig":
@@ -215,7 +214,7 @@ class PickConfig:
     lift: float = LIFT
 
     def __post_init__(self) -> None:
-        check_fields(self, "skills.pick", force=(0.1, MAX_GRIP_FORCE), safety=(0, 100), margin=(0, 1), lift=(1e-3, 1))
+        check_fields(self, "skills.pick", force=(0.1, 1e4), safety=(0, 100), margin=(0, 1), lift=(1e-3, 1))
         check_clearances("skills.pick.clearances", self.clearances)
 
     def create(self, context: SkillContext) -> "Pick":

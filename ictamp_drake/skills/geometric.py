@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.hand import FINGER, MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, PALM, UPPER_HAND
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.skills.config import CLEARANCES, HEIGHTS
 from ictamp_drake.skills.geometry import hand_poses, held_bottom, needed_opening
 from ictamp_drake.skills.neighbours import Neighbour, neighbours
@@ -53,13 +53,14 @@ class GeometricSampler:
     def __init__(self, world: World, arm: ArmKinematics) -> None:
         self._world = world
         self._arm = arm
+        self._gripper = world.robot.gripper
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter]:
         """k that fit and are within reach, as long as some of the latest candidates are."""
         around = neighbours(self._world, c, {action.args[0]}, -np.inf)
         draw = self._draw_grasps if action.name == "pick" else self._draw_placements
         while len(k := draw(c, action, around, rng)):
-            times = self._arm.travel_times(self._hand_poses(c, action, k), c.q[:7])
+            times = self._arm.travel_times(self._hand_poses(c, action, k), c.q)
             k = k[np.isfinite(times)][:COMPARED]
             if not len(k):
                 return
@@ -67,7 +68,7 @@ class GeometricSampler:
             yield from k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")] if on_box else k
 
     def _hand_poses(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
-        return hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
+        return hand_poses(self._world, c, action, k, self._arm.forward(c.q))
 
     def _draw_grasps(
         self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
@@ -76,27 +77,28 @@ class GeometricSampler:
         lying = self._world.upright_frame(c, action.args[0])
         center, half = lying.X_WU.translation()[2], lying.size / 2
         top = center + half[2]
-        quarters = rng.choice([m for m in range(4) if lying.size[1 - m % 2] <= MAX_SIDE], CANDIDATES)
+        hand, widest = self._gripper.hand, self._gripper.max_side
+        quarters = rng.choice([m for m in range(4) if lying.size[1 - m % 2] <= widest], CANDIDATES)
         k = np.zeros((CANDIDATES, 4))
         k[range(CANDIDATES), quarters % 2] = rng.uniform(-1, 1, CANDIDATES) * half[quarters % 2]
         k[:, 3] = quarters * np.pi / 2 + rng.normal(0.0, TURN, CANDIDATES)
         X_WG = self._hand_poses(c, action, k)
-        lowest = np.full(CANDIDATES, top - PALM.bottom)
+        lowest = np.full(CANDIDATES, top - hand.palm)
         for side in (0, 1):
             chosen = quarters % 2 == side
-            disks = _list_hand_disks(2 * half[1 - side])
+            disks = _list_hand_disks(self._gripper, 2 * half[1 - side])
             lowest[chosen] = np.maximum(lowest[chosen], _find_lowest(X_WG[chosen], disks, around))
         lowest += SPARE
-        highest = np.maximum(top - PAD_HALF_HEIGHT, lowest + PLAY)
+        highest = np.maximum(top - hand.pad_half_height, lowest + PLAY)
         k[:, 2] = rng.uniform(lowest, highest) - center
-        return k[k[:, 2] <= half[2] + PAD_HALF_HEIGHT - LEAST_COVER]
+        return k[k[:, 2] <= half[2] + hand.pad_half_height - LEAST_COVER]
 
     def _draw_placements(
         self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
     ) -> FloatArray:
         """Placements with room for the box and for the hand that lets go of it, shape (n, 4)."""
         box, place = action.args
-        X_WG = self._arm.forward(c.q[:7])
+        X_WG = self._arm.forward(c.q)
         half, top = self._world.upright_frame(c, box).size / 2, self._world.top_size(c, place) / 2
         k = np.zeros((CANDIDATES, 4))
         k[:, 2] = rng.uniform(*HEIGHTS, CANDIDATES)
@@ -112,17 +114,19 @@ class GeometricSampler:
         X_GB = held_bottom(self._world, c, box, X_WG).GetAsMatrix4()
         placed = self._hand_poses(c, action, k)
         beside = neighbours(self._world, c, {box, place}, -np.inf)
-        hand = _find_lowest(placed, _list_hand_disks(needed_opening(self._world, c, box, X_WG)), around)
+        opening = needed_opening(self._world, c, box, X_WG)
+        hand = _find_lowest(placed, _list_hand_disks(self._gripper, opening), around)
         return k[placed[:, 2, 3] >= np.maximum(hand, _find_lowest(placed, _list_box_disks(X_GB, half), beside))]
 
 
-def _list_hand_disks(width: float) -> list[_Disk]:
+def _list_hand_disks(gripper: Gripper, width: float) -> list[_Disk]:
     """List disks that cover a hand whose fingers just miss something of that width [m]."""
-    side = min(width / 2 + CLEARANCES[-1], MAX_OPENING / 2) + FINGER.half_width
-    fingers = [_Disk(np.array([0.0, y, -FINGER.bottom]), FINGER.half_width) for y in (-side, side)]
+    finger = gripper.hand.finger
+    side = min(width / 2 + CLEARANCES[-1], gripper.opening / 2) + finger.half_width
+    fingers = [_Disk(np.array([0.0, y, -finger.bottom]), finger.half_width) for y in (-side, side)]
     upper = [
         _Disk(np.array([0.0, y, -row.bottom]), row.radius)
-        for row in UPPER_HAND
+        for row in gripper.hand.upper
         for y in np.linspace(row.first, row.last, int(np.ceil((row.last - row.first) / SPACING)) + 1)
     ]
     return fingers + upper

@@ -4,6 +4,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
+from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.world.matrices import grasps, level
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
@@ -13,8 +14,14 @@ R_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 
 def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidTransform:
-    """X_WG of the grasp k = (x, y, z, yaw) in the box's upright frame U."""
-    return world.upright_frame(c, box).X_WU @ grasp_in_box(k)
+    """X_WG of the grasp k = (x, y, z, yaw) of the pads in the box's upright frame U, once they have closed."""
+    pads = pads_in_hand(world.robot.gripper, grip_width(world, c, box, k[3]))
+    return world.upright_frame(c, box).X_WU @ grasp_in_box(k) @ pads.inverse()
+
+
+def pads_in_hand(gripper: Gripper, width: float) -> RigidTransform:
+    """X_GP of the frame between the pads of a linkage, which travel along z as they close; the identity for others."""
+    return RigidTransform([0.0, 0.0, gripper.rise(width)])
 
 
 def grasp_in_box(k: Parameter) -> RigidTransform:
@@ -25,7 +32,9 @@ def grasp_in_box(k: Parameter) -> RigidTransform:
 def grasp_parameter(world: World, c: Configuration, box: str, X_WG: RigidTransform) -> Parameter:
     """k of a hand pose, the inverse of `grasp_pose` for hands that point down."""
     X_UG = world.upright_frame(c, box).X_WU.inverse() @ X_WG
-    return np.append(X_UG.translation(), yaw_of(X_UG.rotation() @ R_DOWN.inverse()))
+    yaw = yaw_of(X_UG.rotation() @ R_DOWN.inverse())
+    X_UP = X_UG @ pads_in_hand(world.robot.gripper, grip_width(world, c, box, yaw))
+    return np.append(X_UP.translation(), yaw)
 
 
 def squared_grasp(k: Parameter) -> RigidTransform:
@@ -65,7 +74,12 @@ def hand_poses(world: World, c: Configuration, action: Action, k: FloatArray, X_
     """`grasp_pose` or `placement_pose` of many parameters, (n, 4) -> (n, 4, 4), with the hand of c at X_WG."""
     box, place = action.args
     if action.name == "pick":
-        return world.upright_frame(c, box).X_WU.GetAsMatrix4() @ grasps(k)
+        X_WG: FloatArray = world.upright_frame(c, box).X_WU.GetAsMatrix4() @ grasps(k)
+        gripper = world.robot.gripper
+        if gripper.shares is None:
+            rises = np.array([gripper.rise(grip_width(world, c, box, yaw)) for yaw in k[:, 3]])
+            X_WG[:, :3, 3] -= X_WG[:, :3, 2] * rises[:, None]
+        return X_WG
     X_GB = held_bottom(world, c, box, X_WG)
     return world.X_WT(c, place).GetAsMatrix4() @ level(k) @ X_GB.inverse().GetAsMatrix4()
 

@@ -12,10 +12,9 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.constants import HOME
-from ictamp_drake.models.hand import MAX_OPENING, MAX_SIDE, PAD_HALF_HEIGHT, TIP
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.robots.hand import Hand
 from ictamp_drake.skills.base import imagine, openings
 from ictamp_drake.skills.config import GRID_STEP, GRID_TURN, PickConfig, PlaceConfig
 from ictamp_drake.skills.geometry import grasp_in_box, level_pose, raise_pose
@@ -118,14 +117,15 @@ class GraspGrid:
     def __init__(self, world: World, lines: Lines, config: PickConfig, c: Configuration, box: str) -> None:
         self.c = _alone(c, box)
         self._lines, self._config, self._box = lines, config, box
+        self._robot, self._gripper = world.robot, world.robot.gripper
         lying = world.upright_frame(c, box)
         self.X_WF = lying.X_WU
         self._half = lying.size / 2
-        self.top = float(self._half[2]) + TIP + config.margin
+        self.top = float(self._half[2]) + self._gripper.hand.tip + config.margin
         spots = _list_spots(self._half[:2])
         self.spots = spots[[len(self.yaws(p)) > 0 for p in spots]]
         self.variants: list[tuple[float, ...]] = [
-            (float(self._half[2]) - depth,) for depth in _list_depths(lying.size[2])
+            (float(self._half[2]) - depth,) for depth in _list_depths(self._gripper.hand, lying.size[2])
         ]
 
     def _needed(self, p_FG: FloatArray, yaw: FloatArray | float) -> FloatArray:
@@ -134,21 +134,22 @@ class GraspGrid:
         return 2 * (np.abs(sin) * x + np.abs(cos) * y + np.abs(p_FG[0] * sin - p_FG[1] * cos))
 
     def yaws(self, p_FG: FloatArray) -> FloatArray:
-        return YAWS[self._needed(p_FG, YAWS) <= MAX_OPENING + _SLACK]
+        return YAWS[self._needed(p_FG, YAWS) <= self._gripper.opening + _SLACK]
 
     def X_WG(self, pose: GridPose) -> RigidTransform:
         return hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw)
 
     def opened(self, p_FG: FloatArray, yaw: float) -> list[Configuration]:
-        fitting = openings(float(self._needed(p_FG, yaw)), self._config.clearances)
-        return [imagine(self.c, q=HOME, width=each.width, held=None) for each in fitting]
+        fitting = openings(self._gripper, float(self._needed(p_FG, yaw)), self._config.clearances)
+        return [imagine(self._gripper, self.c, q=self._robot.home, width=each.width, held=None) for each in fitting]
 
     def around(self, pose: GridPose, _: FloatArray) -> list[Configuration]:
         return self.opened(pose.p_FG, pose.yaw)
 
     def can_follow(self, pose: GridPose, q: FloatArray, free: Sequence[Configuration]) -> bool:
         X_WG, rise = self.X_WG(pose), self.top - pose.variant[0]
-        grasped = imagine(self.c, q=q, width=float(self._needed(pose.p_FG, pose.yaw)), held=self._box)
+        width = float(self._needed(pose.p_FG, pose.yaw))
+        grasped = imagine(self._gripper, self.c, q=q, width=width, held=self._box)
         return any(self._lines.is_free(c, q, X_WG, rise) for c in free) and self._lines.is_free(
             grasped, q, X_WG, self._config.lift
         )
@@ -166,13 +167,15 @@ class PlacementGrid:
     ) -> None:
         self.c = _alone(c, box)
         self._lines, self._config, self._box, self._face = lines, config, box, face
+        gripper = self._gripper = world.robot.gripper
         lying = world.upright_frame(c, box)
         self._size, self._X_UO = lying.size, lying.X_WU.inverse() @ to_transform(c.poses[box])
         self.X_WF = face.X_WT
-        self.top = float(self._size[2]) + TIP + config.margin
-        turns = [turn for turn in (0, 1) if self._size[1 - turn] <= MAX_SIDE]
-        fitting = (openings(float(self._size[1 - turn]), config.clearances) for turn in turns)
-        self._opened = [imagine(self.c, q=HOME, width=each.width, held=None) for some in fitting for each in some]
+        self.top = float(self._size[2]) + gripper.hand.tip + config.margin
+        turns = [turn for turn in (0, 1) if self._size[1 - turn] <= gripper.max_side]
+        fitting = (openings(gripper, float(self._size[1 - turn]), config.clearances) for turn in turns)
+        widths = [each.width for some in fitting for each in some]
+        self._opened = [imagine(gripper, self.c, q=world.robot.home, width=width, held=None) for width in widths]
         spots = _list_spots(face.half + max(self._size[turn] for turn in turns) / 2)
         p_WG = (self.X_WF @ np.insert(spots, 2, 0.0, axis=1).T).T
         away = np.linalg.norm(p_WG[:, :2] - world.spec.arm.position[:2], axis=1)
@@ -181,7 +184,7 @@ class PlacementGrid:
         self.spots = spots[order]
         self.variants: list[tuple[float, ...]] = [
             (float(self._size[2]) - depth, turn, float(x))
-            for depth in _list_depths(self._size[2])
+            for depth in _list_depths(gripper.hand, self._size[2])
             for turn in turns
             for x in _list_steps(self._size[turn] / 2)
         ]
@@ -206,19 +209,24 @@ class PlacementGrid:
         yaw = pose.yaw + pose.variant[1] * np.pi / 2
         X_TU = level_pose(np.array([*self._middle(pose), self._size[2] / 2, yaw]))
         X_WO = to_pose(self.X_WF @ X_TU @ self._X_UO)
-        return [imagine(self.c, q=q, width=self._width(pose), held=self._box, moved={self._box: X_WO})]
+        return [
+            imagine(
+                self._gripper, self.c, q=q, width=self._width(pose), held=self._box, moved={self._box: X_WO}
+            )
+        ]
 
     def _width(self, pose: GridPose) -> float:
         return float(self._size[1 - int(pose.variant[1])])
 
     def can_follow(self, pose: GridPose, q: FloatArray, free: Sequence[Configuration]) -> bool:
         X_WG, above = hand_pose(self.X_WF, pose.p_FG, pose.variant[0], pose.yaw), self.top - pose.variant[0]
-        fitting = openings(self._width(pose), self._config.clearances)
+        fitting = openings(self._gripper, self._width(pose), self._config.clearances)
         return any(
             self._lines.exists(q, X_WG, max(above, self._config.drop))
             and self._lines.is_free(c, q, X_WG, self._config.drop)
             and any(
-                self._lines.is_free(imagine(c, q=q, width=each.width, held=None), q, X_WG, above) for each in fitting
+                self._lines.is_free(imagine(self._gripper, c, q=q, width=each.width, held=None), q, X_WG, above)
+                for each in fitting
             )
             for c in free
         )
@@ -246,8 +254,8 @@ def _list_spots(half: FloatArray) -> FloatArray:
     return spots[np.argsort(np.linalg.norm(spots, axis=1), kind="stable")]
 
 
-def _list_depths(height: float) -> list[float]:
+def _list_depths(hand: Hand, height: float) -> list[float]:
     """List distances of G below the top of a box of some height [m] at which the pads touch it, the easiest first."""
-    depths = np.arange(-PAD_HALF_HEIGHT + GRID_STEP / 2, height, GRID_STEP)
-    easy = min(_EASY_DEPTH, height - TIP)  # which keeps the tips off what the box rests on
+    depths = np.arange(-hand.pad_half_height + GRID_STEP / 2, height, GRID_STEP)
+    easy = min(_EASY_DEPTH, height - hand.tip)  # which keeps the tips off what the box rests on
     return sorted(depths.tolist(), key=lambda depth: abs(depth - easy))

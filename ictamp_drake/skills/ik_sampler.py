@@ -15,7 +15,6 @@ from pydrake.solvers import SnoptSolver
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, Parameter
-from ictamp_drake.models.hand import MAX_OPENING, PAD_RADIUS, TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import OptimizationConfig
 from ictamp_drake.skills.geometry import R_DOWN, grasp_parameter, held_bottom, placement_parameter
@@ -36,6 +35,7 @@ class OptimizationSampler:
         self._world = world
         self._arm = arm
         self._config = config
+        self._gripper = world.robot.gripper
         self._solver = SnoptSolver()
 
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
@@ -67,7 +67,7 @@ class OptimizationSampler:
             return neighbours(self._world, c, {box, other}, self._world.X_WT(c, other).translation()[2])
         lying = self._world.upright_frame(c, box)
         lowest = lying.X_WT.translation()[2] - min(self._config.depth[1], lying.size[2] - self._config.ground)
-        return neighbours(self._world, c, {box}, lowest - TIP)
+        return neighbours(self._world, c, {box}, lowest - self._gripper.hand.tip)
 
     def _draw(
         self,
@@ -81,7 +81,7 @@ class OptimizationSampler:
         if action.name == "pick":
             X_WG = self._solve(lambda: self._grasp(c, box, around, rng, config), rng)
             return None if X_WG is None else grasp_parameter(self._world, c, box, X_WG)
-        X_GB = held_bottom(self._world, c, box, self._arm.forward(c.q[:7]))
+        X_GB = held_bottom(self._world, c, box, self._arm.forward(c.q))
         X_WG = self._solve(lambda: self._placement(c, action, X_GB, around, rng), rng)
         return None if X_WG is None else placement_parameter(self._world, c, other, X_GB, X_WG)
 
@@ -104,7 +104,7 @@ class OptimizationSampler:
     ) -> "_HandProgram | None":
         """Program with the fingers along a face of the box and G near its middle, neither too high nor too deep."""
         lying = self._world.upright_frame(c, box)
-        quarters = [m for m in range(4) if lying.size[1 - m % 2] <= config.max_width]
+        quarters = [m for m in range(4) if lying.size[1 - m % 2] <= (config.max_width or self._gripper.max_side)]
         if not quarters:
             return None
         half_height = lying.size[2] / 2
@@ -120,11 +120,12 @@ class OptimizationSampler:
         program.keep_inside(lower, upper, aim, np.zeros(3))
         program.align(R_DOWN, RotationMatrix())
         height, width = float((program.X_WA @ aim)[2]), float(lying.size[1 - quarter % 2])
-        y = min(width / 2 + config.play, MAX_OPENING / 2) + PAD_RADIUS
+        radius = self._gripper.hand.pad_radius
+        y = min(width / 2 + config.play, self._gripper.opening / 2) + radius
         pads = np.array([[0.0, y, 0.0], [0.0, -y, 0.0]])
-        program.keep_clear(pads, PAD_RADIUS + config.clearance / 2, around, height)
+        program.keep_clear(pads, radius + config.clearance / 2, around, height)
         if config.clearance == 0:
-            program.demand_clear(pads, PAD_RADIUS, around)
+            program.demand_clear(pads, radius, around)
         return program
 
     def _placement(
@@ -190,7 +191,7 @@ class _HandProgram:
         self._context = context  # the program refers to it but does not keep it alive
         self._ik = InverseKinematics(arm.plant, context, with_joint_limits=False)
         self._ik.prog().AddBoundingBoxConstraint(arm.lower, arm.upper, self._ik.q())
-        self._ik.prog().AddQuadraticErrorCost(config.comfort * np.eye(7), self._comfort, self._ik.q())
+        self._ik.prog().AddQuadraticErrorCost(config.comfort * np.eye(len(self._comfort)), self._comfort, self._ik.q())
 
     def keep_inside(self, lower: FloatArray, upper: FloatArray, p_AQ: FloatArray, p_GQ: FloatArray) -> None:
         """Keep a point of the hand between bounds in A and near the aim p_AQ, all of shape (3,) [m]."""
@@ -226,9 +227,9 @@ class _HandProgram:
         self._clear = clear
 
     def solve(self, solver: SnoptSolver, rng: np.random.Generator) -> FloatArray | None:
-        """Joint positions from a random start, shape (7,) [rad], or None when none are found."""
+        """Joint positions from a random start, shape (n,) [rad], or None when none are found."""
         spread = self._config.spread
-        start = np.clip(self._comfort + rng.uniform(-spread, spread, 7), self._arm.lower, self._arm.upper)
+        start = np.clip(self._comfort + rng.uniform(-spread, spread, len(self._comfort)), self._arm.lower, self._arm.upper)
         result = solver.Solve(self._ik.prog(), start)
         q = np.asarray(result.get_x_val())
         return q if result.is_success() and self._clear(q) else None

@@ -8,7 +8,6 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.protocols import Sampler
 from ictamp_drake.core.types import Configuration, FloatArray, Parameter, Skeleton
-from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import PlaceConfig
 from ictamp_drake.skills.geometry import level_pose
@@ -82,7 +81,7 @@ class Lookahead:
                 if box in tower:
                     tower = tower[: tower.index(box) + 1]
                     size, *below = (sizes[each] for each in tower)
-                    rise = max(self._place.drop, size[2] + TIP + self._place.margin)
+                    rise = max(self._place.drop, size[2] + self._world.robot.gripper.hand.tip + self._place.margin)
                     room = [np.maximum(low[:2] - up[:2], 0) / 2 for up, low in pairwise([size, *below])]
                     ahead.append(np.append(sum(room), sum(each[2] for each in below) + rise))
         return ahead
@@ -93,5 +92,5 @@ class Lookahead:
         spots = np.array([*product((-1, 0, 1), repeat=2)] if ahead[:, :2].any() else [(0, 0)])
         p_BG = np.dstack([ahead[:, None, :2] * spots, np.broadcast_to(ahead[:, 2:], (len(ahead), len(spots)))])
         p_WG = (X_WB @ p_BG.reshape(-1, 3).T).T
-        times = self._arm.travel_times(grasps(np.insert(p_WG, 3, 0.0, axis=1)), c.q[:7])
+        times = self._arm.travel_times(grasps(np.insert(p_WG, 3, 0.0, axis=1)), c.q)
         return bool(np.isfinite(times).reshape(p_BG.shape[:2]).any(axis=1).all())

@@ -7,7 +7,6 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, GripperCommand, Motion, Parameter
-from ictamp_drake.models.hand import TIP
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.skills.base import configuration_after, hold, imagine, openings
@@ -24,16 +23,17 @@ class Place:
         self._world = world
         self._planner = planner
         self._config = config
+        self._gripper = world.robot.gripper
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that places with parameter k from c, or the reason why there is none."""
         planner, (box, receptacle) = self._planner, action.args
         support = self._world.spec.support_of(receptacle)
-        X_WG0 = planner.kinematics.forward(c.q[:7])
+        X_WG0 = planner.kinematics.forward(c.q)
         X_GB = held_bottom(self._world, c, box, X_WG0)
         X_WG = placement_pose(self._world, c, receptacle, X_GB, k)
         X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses[box])
-        above = self._top_above_hand(c, box, X_GB) + TIP + self._config.margin
+        above = self._top_above_hand(c, box, X_GB) + self._gripper.hand.tip + self._config.margin
 
         q_place = planner.posture(c, X_WG, c.commanded, towards=raise_pose(X_WG, max(self._config.drop, above)))
         if isinstance(q_place, Refusal):
@@ -42,8 +42,8 @@ class Place:
         if isinstance(back, Refusal):
             return back
         needed = needed_opening(self._world, c, box, X_WG0)
-        placed = imagine(c, q=q_place, width=needed, held=None, moved={box: to_pose(X_WO)})
-        way = self._way_up(placed, openings(needed, self._config.clearances), raise_pose(X_WG, above))
+        placed = imagine(self._gripper, c, q=q_place, width=needed, held=None, moved={box: to_pose(X_WO)})
+        way = self._way_up(placed, openings(self._gripper, needed, self._config.clearances), raise_pose(X_WG, above))
         if isinstance(way, Refusal):
             return way
         opening, retreat = way
@@ -54,7 +54,7 @@ class Place:
         return (
             transfer.segment("transfer", c.gripper, {box}),
             lower.segment("lower", c.gripper, {box, support}),
-            hold("release", q_place, c.gripper, opening, {box, support}),
+            hold(self._gripper, "release", q_place, c.gripper, opening, {box, support}),
             retreat.segment("retreat", opening, ()),
         )
 
@@ -69,8 +69,8 @@ class Place:
         """The first opening that the neighbors leave room for, and the straight way to X_WG with it."""
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in fitting:
-            opened = imagine(placed, q=placed.q[:7], width=opening.width, held=None)
-            retreat = self._planner.plan_straight(opened, placed.q[:7], X_WG)
+            opened = imagine(self._gripper, placed, q=placed.q, width=opening.width, held=None)
+            retreat = self._planner.plan_straight(opened, placed.q, X_WG)
             if not isinstance(retreat, Refusal):
                 return opening, retreat.trajectory
             refusal = retreat
@@ -89,7 +89,8 @@ class Place:
             [*X_WB.translation()[:2], X_WT.translation()[2] + lying.size[2] / 2],
         )
         end = X_WU @ lying.X_WU.inverse() @ X_WO
-        return configuration_after(c, motion, width=motion[-1].gripper.width, held=None, moved={box: to_pose(end)})
+        width = motion[-1].gripper.width
+        return configuration_after(self._gripper, c, motion, width=width, held=None, moved={box: to_pose(end)})
 
     def _top_above_hand(self, c: Configuration, box: str, X_GB: RigidTransform) -> float:
         return float(self._world.upright_frame(c, box).size[2] - X_GB.translation()[2])

@@ -11,7 +11,6 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.columns import OUT_OF_REACH, Columns
 from ictamp_drake.motion.config import MotionConfig
@@ -41,7 +40,7 @@ class Sweep:
     def __init__(self, world: World, motion: MotionConfig, pick: PickConfig, place: PlaceConfig) -> None:
         kinematics = replace(motion.kinematics, attempts=_ATTEMPTS)
         self._world, self._pick, self._place = world, pick, place
-        self._arm = ArmKinematics(to_transform(world.spec.arm.X_WB), kinematics)
+        self._arm = ArmKinematics(world.robot, to_transform(world.spec.arm.X_WB), kinematics)
         self._scene = CollisionScene(world, motion.held_shrinkage, 0.0)
         self._lines = Lines(self._arm, self._scene)
         self._columns = Columns(world, self._arm)
@@ -108,7 +107,7 @@ class Sweep:
             else:
                 q = postures[0].copy()
                 for yaw in yaws:
-                    q[6] = postures[0, 6] - yaw
+                    q[-1] = postures[0, -1] - self._arm.robot.wrist * yaw
                     if self._is_hand_free(grid.opened(p_FG, yaw), q):
                         found = True
                         yield p_FG, float(yaw)
@@ -151,17 +150,17 @@ class Sweep:
             self._spend(_POSTURE)
             return grid.can_follow(pose, q, [c for c in around if self._scene.is_free(c, q)])
 
-        if self._arm.solve(X_WG, HOME, accept) is not None:
+        if self._arm.solve(X_WG, self._arm.robot.home, accept) is not None:
             return None
         return known or self._columns.blame(self._scene, around[-1], postures[::_BLAMED])
 
     def _turning_postures(self, X_WF: RigidTransform, pose: GridPose) -> FloatArray:
-        """`ArmKinematics.turning_postures` of a pose, shape (m, 7) [rad]; those of yaw 0 are kept for the next yaw."""
+        """`ArmKinematics.turning_postures` of a pose, shape (m, n) [rad]; those of yaw 0 are kept for the next yaw."""
         p_FG = *pose.p_FG, pose.variant[0]
         if self._latest[:2] != (X_WF, p_FG):
             self._latest = X_WF, p_FG, self._arm.turning_postures(hand_pose(X_WF, pose.p_FG, pose.variant[0], 0.0))
         postures = self._latest[2].copy()
-        postures[:, 6] -= pose.yaw  # a hand that points down turns the other way
+        postures[:, -1] -= self._arm.robot.wrist * pose.yaw  # a hand that points down turns the other way
         return postures
 
 

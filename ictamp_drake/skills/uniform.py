@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from ictamp_drake.core.types import Action, Configuration, Parameter
-from ictamp_drake.models.hand import LOWEST_GRASP
 from ictamp_drake.skills.config import UniformConfig
 from ictamp_drake.world.world import World
 
@@ -21,7 +20,8 @@ class UniformSampler:
         """Any number of k, most of which do not fit."""
         if action.name == "pick":
             half = self._world.upright_frame(c, action.args[0]).size / 2
-            low, high = -half, np.append(half[:2], max(half[2], LOWEST_GRASP - half[2]))
+            lowest = self._world.robot.gripper.hand.lowest_grasp
+            low, high = -half, np.append(half[:2], max(half[2], lowest - half[2]))
         else:
             half = np.append(self._world.top_size(c, action.args[1]) / 2, 0.0)
             low, high = -half, half + [0.0, 0.0, self._config.max_height]

@@ -1,10 +1,8 @@
 """Bodies in a Drake plant, built from the specification of a scene."""
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
-from typing import Literal
+from functools import cached_property
 
 import numpy as np
 from pydrake.geometry import (
@@ -21,12 +19,15 @@ from pydrake.geometry import (
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.multibody.tree import RigidBody
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
+from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.contact import SUPPORT
-from ictamp_drake.models.package import PACKAGE_FILE, add_package
+from ictamp_drake.models.model_text import Shapes, keep_shapes
 from ictamp_drake.models.shapes import box_sdf, rack_sdf, rim_contacts, table_sdf
+from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
 
@@ -41,15 +42,6 @@ AREA_COLOR = (0.95, 0.75, 0.25)
 
 FINEST_RIM = 0.0075
 """Smallest distance between two contact points along the rim of a support [m]."""
-Shapes = Literal["contact", "solid", "visible"]
-"""Shapes that bodies get: all that collide (contact), those without the small contact spheres (solid), which serve
-physics and not kinematics, or those that are drawn (visible)."""
-_OTHERS: Mapping[Shapes, re.Pattern[str]] = {
-    "contact": re.compile(r"<visual\b.*?</visual>", re.DOTALL),
-    "solid": re.compile(r'<visual\b.*?</visual>|<collision name="\w*contact\w*".*?</collision>', re.DOTALL),
-    "visible": re.compile(r"<collision\b.*?</collision>", re.DOTALL),
-}
-
 SUPPORT_SDF: Mapping[str, Callable[..., str]] = {"table": table_sdf, "rack": rack_sdf}
 
 
@@ -58,38 +50,44 @@ class SceneBodies:
     """Bodies of a scene in a plant.
 
     Attributes:
-        arm: Model instance of the Panda with its hand: 7 revolute joints and 2 prismatic ones.
-        hand: Body that a held object moves with.
-        fingers: Left and right finger.
+        robot: Arm and gripper.
         boxes: Free bodies by name, sorted. Their frame is O.
         supports: Bodies welded to W by name, sorted. Their frame is T, in the center of the top face.
     """
 
-    arm: ModelInstanceIndex
-    hand: RigidBody
-    fingers: tuple[RigidBody, RigidBody]
+    robot: RobotBodies
     boxes: Mapping[str, RigidBody]
     supports: Mapping[str, RigidBody]
 
+    def positions(self, c: Configuration) -> FloatArray:
+        """Return the positions of the finalized plant in c."""
+        q = np.zeros(self.robot.plant.num_positions())
+        q[self.robot.arm], q[self.robot.gripper] = c.q, c.fingers
+        for name, places in self.box_positions.items():
+            q[places] = c.poses[name]
+        return q
 
-def add_arm(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact") -> ModelInstanceIndex:
-    """Add the Panda with its hand to a plant that is not finalized, at its place in the scene."""
-    parser = Parser(plant)
-    arm = add_panda(parser, shapes)
-    base = plant.GetBodyByName("panda_link0", arm)
-    plant.WeldFrames(plant.world_frame(), base.body_frame(), to_transform(spec.arm.X_WB))
-    return arm
+    @cached_property
+    def box_positions(self) -> Mapping[str, slice]:
+        """Places of the pose of each box, quaternion and position, in the positions of the finalized plant."""
+        starts = {name: body.floating_positions_start() for name, body in self.boxes.items()}
+        return {name: slice(start, start + 7) for name, start in starts.items()}
+
+
+def add_robot(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact") -> RobotBodies:
+    """Add arm and gripper to a plant that is not finalized, at their place in the scene."""
+    return find_robot(spec.robot).add_to(plant, to_transform(spec.arm.X_WB), shapes)
 
 
 def add_scene(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact") -> SceneBodies:
-    """Add arm, supports and boxes to a plant that is not finalized. Default poses are those of the specification.
+    """Add robot, supports and boxes to a plant that is not finalized. Default poses are those of the specification.
 
     Args:
         plant: Plant of the scene.
         spec: Specification of the scene.
         shapes: Shapes that the bodies get.
     """
-    arm = add_arm(plant, spec, shapes)
+    robot = add_robot(plant, spec, shapes)
     parser = Parser(plant)
     supports = {}
     for name, support in sorted(spec.supports.items()):
@@ -104,26 +102,11 @@ def add_scene(plant: MultibodyPlant, spec: SceneSpec, shapes: Shapes = "contact"
     for name, box in sorted(spec.boxes.items()):
         boxes[name] = _add_body(plant, parser, box_sdf(name, box.size, box.mass, box.friction, box.color), shapes)
         plant.SetDefaultFloatingBaseBodyPose(boxes[name], to_transform(box.X_WO))
-    fingers = (plant.GetBodyByName("panda_leftfinger", arm), plant.GetBodyByName("panda_rightfinger", arm))
-    return SceneBodies(arm, plant.GetBodyByName("panda_hand", arm), fingers, boxes, supports)
-
-
-def add_panda(parser: Parser, shapes: Shapes = "contact") -> ModelInstanceIndex:
-    """Add the arm with its hand, not welded to anything."""
-    add_package(parser)
-    (arm,) = parser.AddModelsFromString(_panda_sdf(shapes), "sdf")
-    return arm
-
-
-@cache
-def _panda_sdf(shapes: Shapes) -> str:
-    """Return the model as text: Drake parses a file 0.03 s slower than its text."""
-    text = (PACKAGE_FILE.parent / "sdf" / "panda.sdf").read_text(encoding="utf-8")
-    return _keep_shapes(text, shapes)
+    return SceneBodies(robot, boxes, supports)
 
 
 def _add_body(plant: MultibodyPlant, parser: Parser, sdf: str, shapes: Shapes) -> RigidBody:
-    (instance,) = parser.AddModelsFromString(_keep_shapes(sdf, shapes), "sdf")
+    (instance,) = parser.AddModelsFromString(keep_shapes(sdf, shapes), "sdf")
     return plant.get_body(plant.GetBodyIndices(instance)[0])
 
 
@@ -147,11 +130,6 @@ def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
             plant.RegisterCollisionGeometry(world, X_WS, Sphere(*shape.size), f"{name}_{shape.name}", surface)
 
 
-def _keep_shapes(sdf: str, shapes: Shapes) -> str:
-    """Return the model without the other shapes, which take most of the parsing time."""
-    return _OTHERS[shapes].sub("", sdf)
-
-
 def shrink_boxes(plant: MultibodyPlant, scene_graph: SceneGraph, bodies: SceneBodies) -> None:
     """Shrink the boxes by `SKIN` on every side."""
     inspector = scene_graph.model_inspector()
@@ -171,7 +149,7 @@ def filter_flat_contacts(plant: MultibodyPlant, scene_graph: SceneGraph, bodies:
     touches the solid around it.
     """
     points = _contact_points(scene_graph)
-    boxes = [*bodies.boxes.values(), *bodies.supports.values(), *bodies.fingers]
+    boxes = [*bodies.boxes.values(), *bodies.supports.values(), *bodies.robot.fingers]
     inspector = scene_graph.model_inspector()
     flat = [
         geometry
@@ -201,4 +179,5 @@ def build_kinematic(spec: SceneSpec) -> tuple[RobotDiagram, SceneBodies]:
     bodies = add_scene(builder.plant(), spec, "solid")
     builder.plant().Finalize()
     shrink_boxes(builder.plant(), builder.scene_graph(), bodies)
+    find_robot(spec.robot).filter(bodies.robot, builder.scene_graph())
     return builder.Build(), bodies

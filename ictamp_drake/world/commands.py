@@ -1,4 +1,4 @@
-"""Motions as Drake trajectories: the commands to the controllers of arm and hand over time."""
+"""Motions as Drake trajectories: the commands to the controllers of arm and gripper over time."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -14,56 +14,89 @@ from pydrake.trajectories import (
 )
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
-from ictamp_drake.models.constants import MAX_FINGER_SPEED
+from ictamp_drake.robots.gripper import Gripper
 
 FORCE_RAMP = 0.05
 """Time to build up or release the grip force [s]."""
+_BETWEEN = 7
+"""Number of times added between two commands to a linkage."""
 _INSTANT = 1e-9
 """Time difference below which two times are equal up to rounding [s]."""
 
 
-def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
-    """Time the hand needs from the goal of one command to the goal of the next [s]."""
-    return abs(after.width - before.width) / 2 / MAX_FINGER_SPEED + FORCE_RAMP * (after.force != before.force)
+def gripper_time(before: GripperCommand, after: GripperCommand, speed: float) -> float:
+    """Time that fingers of a speed [m/s] need from the goal of one command to the goal of the next [s]."""
+    return abs(after.width - before.width) / 2 / speed + FORCE_RAMP * (after.force != before.force)
 
 
 def stand_still(
     label: str, duration: float, q: FloatArray, gripper: GripperCommand, touches: frozenset[str] | None
 ) -> Segment:
-    """Return a segment in which the arm rests at q, shape (7,) [rad], for `duration` [s] while the gripper moves."""
+    """Return a segment in which the arm rests at q, shape (n,) [rad], for `duration` [s] while the gripper moves."""
     return Segment(label, duration, gripper, 1, np.array([0.0, duration]), q[None], touches)
 
 
-def desired_positions(
-    q_arm: FloatArray, gripper: GripperCommand, segments: Sequence[Segment], end: float
-) -> Trajectory:
-    """Positions of the 7 arm joints [rad] and 2 fingers [m] from 0 to `end` [s]. The arm rests after the last segment.
+class Command(NamedTuple):
+    """Commands to the controllers of arm and gripper over time.
+
+    Attributes:
+        arm: Desired positions of the arm's joints [rad].
+        times: Times between which the commands of the fingers are interpolated, shape (m,) [s].
+        fingers: Desired positions of the driven joints of the fingers at these times, shape (driven, m) [m or rad].
+        grip: Efforts of these joints that grip, added to those of their controllers, shape (driven, m) [N or N m].
+    """
+
+    arm: Trajectory
+    times: FloatArray
+    fingers: FloatArray
+    grip: FloatArray
+
+    def positions(self, parts: tuple[bool, bool]) -> Trajectory:
+        """Return the desired positions of the arm, the gripper, or both."""
+        fingers = PiecewisePolynomial.FirstOrderHold(self.times, self.fingers)
+        if not all(parts):
+            return self.arm if parts[0] else fingers
+        stacked = StackedTrajectory(rowwise=True)
+        stacked.Append(self.arm)
+        stacked.Append(fingers)
+        return stacked
+
+    def efforts(self, parts: tuple[bool, bool]) -> Trajectory:
+        """Return the efforts added to those of the position controllers of the arm, the gripper, or both."""
+        rows = [np.zeros((self.arm.rows(), len(self.times))), self.grip]
+        return PiecewisePolynomial.FirstOrderHold(self.times, np.vstack([rows[i] for i in (0, 1) if parts[i]]))
+
+
+def command_motion(
+    gripper: Gripper, q: FloatArray, before: GripperCommand, segments: Sequence[Segment], end: float
+) -> Command:
+    """Return the commands of a motion from 0 to `end` [s]. The arm rests after the last segment.
 
     Args:
-        q_arm: Commanded arm joint positions before the motion, shape (7,) [rad].
-        gripper: Gripper command in force before the motion.
+        gripper: Gripper that obeys.
+        q: Commanded positions of the arm before the motion, shape (n,) [rad].
+        before: Command to the gripper in force before the motion.
         segments: Segments of the motion, possibly none.
-        end: End of the trajectory [s], later than both the last segment and `obedience_time`.
+        end: End of the commands [s], later than both the last segment and `obedience_time`.
     """
     arm, start = _arm_pieces(segments)
     if segments:
-        q_arm = segments[-1].control_points[-1]
-    arm.append(PiecewisePolynomial.ZeroOrderHold([start, end], np.column_stack([q_arm, q_arm])))
-    times, widths, _ = _gripper_knots(gripper, segments, end)
-    stacked = StackedTrajectory(rowwise=True)
-    stacked.Append(CompositeTrajectory(arm))
-    stacked.Append(PiecewisePolynomial.FirstOrderHold(times, np.tile(widths / 2, (2, 1))))
-    return stacked
+        q = segments[-1].control_points[-1]
+    arm.append(PiecewisePolynomial.ZeroOrderHold([start, end], np.column_stack([q, q])))
+    times, widths, forces = _gripper_knots(before, segments, end, gripper.speed)
+    if gripper.shares is None:  # positions of a linkage are no straight line between two widths
+        times, widths, forces = _refine(times, widths, forces)
+    return Command(CompositeTrajectory(arm), times, gripper.drive(widths), gripper.efforts(widths, forces))
 
 
-def feedforward(gripper: GripperCommand, segments: Sequence[Segment], end: float) -> Trajectory:
-    """Efforts added to those of the position controllers, shape (9, 1): only the grip force of the fingers [N]."""
-    times, _, forces = _gripper_knots(gripper, segments, end)
-    return PiecewisePolynomial.FirstOrderHold(times, np.vstack([np.zeros((7, len(times))), -forces, -forces]))
+def _refine(times: FloatArray, *values: FloatArray) -> tuple[FloatArray, ...]:
+    """Return values at times, with `_BETWEEN` more times in each interval."""
+    finer = np.unique(np.linspace(times[:-1], times[1:], _BETWEEN + 2))
+    return finer, *(np.interp(finer, times, each) for each in values)
 
 
 def arm_trajectory(segments: Sequence[Segment]) -> Trajectory:
-    """Positions of the 7 arm joints [rad] from 0 to the end of the last segment.
+    """Positions of the arm's joints [rad] from 0 to the end of the last segment.
 
     Raises:
         ValueError: There is no segment.
@@ -93,14 +126,22 @@ def _arm_piece(segment: Segment, start: float) -> Trajectory:
     return BsplineTrajectory(BsplineBasis(segment.order, knots), segment.control_points.T)
 
 
-def obedience_time(gripper: GripperCommand, segments: Sequence[Segment]) -> float:
-    """Time at which the hand has obeyed the last command of a motion [s], possibly after the motion's end."""
-    return max((change.arrival for change in _changes(gripper, segments)), default=0.0)
+def obedience_time(gripper: GripperCommand, segments: Sequence[Segment], speed: float) -> float:
+    """Time at which fingers of a speed [m/s] have obeyed the last command of a motion [s], possibly after its end."""
+    return max((change.arrival for change in _changes(gripper, segments, speed)), default=0.0)
 
 
-def gripper_schedule(gripper: GripperCommand, segments: Sequence[Segment]) -> list[tuple[float, GripperCommand]]:
-    """Return the commands to the hand with the times from which they are in force [s], first `gripper` from 0 on."""
-    return [(0.0, gripper), *((change.start, change.after) for change in _changes(gripper, segments))]
+def gripper_schedule(
+    gripper: GripperCommand, segments: Sequence[Segment], speed: float
+) -> list[tuple[float, GripperCommand]]:
+    """Return the commands to the hand with the times from which they are in force [s], first `gripper` from 0 on.
+
+    Args:
+        gripper: Command in force before the motion.
+        segments: Segments of the motion.
+        speed: Speed of each finger [m/s].
+    """
+    return [(0.0, gripper), *((change.start, change.after) for change in _changes(gripper, segments, speed))]
 
 
 class _Change(NamedTuple):
@@ -112,27 +153,27 @@ class _Change(NamedTuple):
     after: GripperCommand
 
 
-def _changes(gripper: GripperCommand, segments: Sequence[Segment]) -> Iterator[_Change]:
+def _changes(gripper: GripperCommand, segments: Sequence[Segment], speed: float) -> Iterator[_Change]:
     """Yield the movements of the hand. A command starts with its segment, or once the one before is obeyed."""
     start = arrival = 0.0
     for segment in segments:
         if segment.gripper != gripper:
             begin = start if start > arrival + _INSTANT else arrival
-            arrival = begin + gripper_time(gripper, segment.gripper)
+            arrival = begin + gripper_time(gripper, segment.gripper, speed)
             yield _Change(begin, arrival, gripper, segment.gripper)
             gripper = segment.gripper
         start += segment.duration
 
 
 def _gripper_knots(
-    gripper: GripperCommand, segments: Sequence[Segment], end: float
+    gripper: GripperCommand, segments: Sequence[Segment], end: float, speed: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times, widths and forces between which the commands of the hand are interpolated.
 
     The hand grips after its fingers have arrived, and lets go before they move.
     """
     knots = {0.0: (gripper.width, gripper.force)}
-    for start, arrival, before, after in _changes(gripper, segments):
+    for start, arrival, before, after in _changes(gripper, segments, speed):
         knots[start] = (before.width, before.force)
         if after.force != before.force and after.width != before.width:
             grips = after.force > before.force

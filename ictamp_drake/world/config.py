@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ictamp_drake.core.checks import check_fields, check_vector
+from ictamp_drake.core.checks import check_fields, check_range, check_vector
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import FloatArray
 
 if TYPE_CHECKING:
+    from ictamp_drake.robots.robot import Robot
     from ictamp_drake.world.simulate import Physics
     from ictamp_drake.world.world import World
 
@@ -40,10 +42,10 @@ class PhysicsConfig:
         time_step: Time step of the discrete plant [s].
         contact_approximation: Approximation of contact that Drake's discrete solver uses.
         arm_stiffness: Stiffness of the controller of each joint [Nm/rad]. A stiffer arm follows the motion more
-            closely.
-        arm_damping: Damping of the controller of each joint [Nm s/rad].
-        finger_stiffness: Stiffness of the controller of each finger [N/m].
-        finger_damping: Damping of the controller of each finger [N s/m].
+            closely. If empty, the stiffness in the robot's file.
+        arm_damping: Damping of the controller of each joint [Nm s/rad]. If empty, the damping in the robot's file.
+        finger_stiffness: Stiffness of the controller of each finger [N/m]. By default that in the robot's file.
+        finger_damping: Damping of the controller of each finger [N s/m]. By default that in the robot's file.
         rest_speed: Largest speed of a box at rest [m/s].
         rest_turn: Largest angular speed of a box at rest [rad/s].
         settle_time: Longest wait for rest after a motion [s].
@@ -56,10 +58,10 @@ class PhysicsConfig:
 
     time_step: float = 0.004
     contact_approximation: Literal["lagged", "sap", "similar", "tamsi"] = "sap"
-    arm_stiffness: tuple[float, ...] = (6000.0, 6000.0, 5000.0, 5000.0, 3000.0, 3000.0, 2000.0)
-    arm_damping: tuple[float, ...] = (300.0, 300.0, 250.0, 250.0, 100.0, 100.0, 50.0)
-    finger_stiffness: float = 2000.0
-    finger_damping: float = 50.0
+    arm_stiffness: tuple[float, ...] = ()
+    arm_damping: tuple[float, ...] = ()
+    finger_stiffness: float | None = None
+    finger_damping: float | None = None
     rest_speed: float = 2e-3
     rest_turn: float = 2e-2
     settle_time: float = 2.0
@@ -73,8 +75,6 @@ class PhysicsConfig:
             self,
             "physics",
             time_step=(1e-5, 0.1),
-            finger_stiffness=(1e-3, 1e9),
-            finger_damping=(0, 1e9),
             rest_speed=(1e-6, 10),
             rest_turn=(1e-6, 100),
             settle_time=(1e-3, 1e3),
@@ -82,8 +82,10 @@ class PhysicsConfig:
             min_pad_force=(1e-3, 1e3),
             record_period=(1e-3, 1e3),
         )
-        check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=7)
-        check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=7)
+        check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=None)
+        check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=None)
+        check_range("physics.finger-stiffness", self.finger_stiffness or 1.0, 1e-3, 1e9)
+        check_range("physics.finger-damping", self.finger_damping or 0.0, 0, 1e9)
 
     def create(self, world: "World") -> "Physics":
         """A simulator of the scene."""
@@ -91,10 +93,19 @@ class PhysicsConfig:
 
         return Physics(world, self)
 
-    def gains(self) -> tuple[FloatArray, FloatArray]:
-        """Stiffness and damping of the controllers of 7 joints and 2 fingers, each of shape (9,)."""
-        stiffness = np.array([*self.arm_stiffness, *2 * [self.finger_stiffness]])
-        return stiffness, np.array([*self.arm_damping, *2 * [self.finger_damping]])
+    def gains(self, robot: "Robot") -> tuple[FloatArray, FloatArray]:
+        """Stiffness and damping of the controllers of the arm's joints, then of the driven joints of the fingers.
+
+        Raises:
+            IctampError: The number of values is not that of the arm's joints.
+        """
+        fingers = robot.gripper.gains(self.finger_stiffness, self.finger_damping)
+        arm = (self.arm_stiffness or robot.spec.stiffness, self.arm_damping or robot.spec.damping)
+        for name, values in zip(("stiffness", "damping"), arm, strict=True):
+            if len(values) != len(robot.joints):
+                problem = f"expected {len(robot.joints)} numbers for the joints of {robot.name}, got {{value}}"
+                raise IctampError(Code.WRONG_LENGTH, problem, field=f"physics.arm-{name}", value=values)
+        return np.concatenate([arm[0], fingers[0]]), np.concatenate([arm[1], fingers[1]])
 
     def steps(self, seconds: float) -> int:
         """Number of time steps that last at least so long; what sums of durations are rounded by adds none."""

@@ -15,11 +15,14 @@ from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
-from pydrake.trajectories import PiecewisePolynomial, Trajectory
+from pydrake.trajectories import PiecewisePolynomial
 
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.build import SceneBodies, add_rims, add_scene, filter_flat_contacts
+from ictamp_drake.world.commands import Command
 
 IntArray = NDArray[np.intp]
 
@@ -28,8 +31,8 @@ class SimulatedPlant:
     """A plant simulated in steps. Its time is a whole number of steps since the start of a motion.
 
     Attributes:
-        plant: Plant that contains the arm.
-        arm: Model instance of the arm, with 7 joints and 2 fingers.
+        plant: Plant that contains the robot.
+        robot: Arm and gripper.
         context: Context of the plant.
         simulator: Simulator of the whole diagram.
     """
@@ -37,7 +40,7 @@ class SimulatedPlant:
     def __init__(
         self,
         config: MultibodyPlantConfig,
-        add: Callable[[MultibodyPlant], ModelInstanceIndex],
+        add: Callable[[MultibodyPlant], RobotBodies],
         gains: tuple[FloatArray, FloatArray],
         touch: Callable[[MultibodyPlant, SceneGraph], None] | None,
     ) -> None:
@@ -45,9 +48,9 @@ class SimulatedPlant:
 
         Args:
             config: Time step and contact model of the plant.
-            add: Function that adds the models to the plant and returns the arm.
-            gains: Stiffness and damping of the controllers, for 7 joints [Nm/rad, Nm s/rad] and 2 fingers
-                [N/m, N s/m], each of shape (9,).
+            add: Function that adds the models to the plant and returns the robot.
+            gains: Stiffness and damping of the controllers of the arm's joints [Nm/rad, Nm s/rad], then of the driven
+                joints of the fingers, each of shape (commanded,).
             touch: Function that decides which shapes of the finished plant can touch. None leaves out all shapes.
         """
         builder = DiagramBuilder()
@@ -57,25 +60,22 @@ class SimulatedPlant:
         else:
             self.plant, scene_graph = AddMultibodyPlant(config, builder)
         self._time_step = config.time_step
-        self.arm = add(self.plant)
-        self.plant.set_gravity_enabled(self.arm, False)  # as Franka's controller compensates it
-        for index, p, d in zip(self.plant.GetJointActuatorIndices(), *gains, strict=True):
-            self.plant.get_joint_actuator(index).set_controller_gains(PdControllerGains(p=p, d=d))
+        self.robot = add(self.plant)
+        for instance in self.robot.instances:
+            self.plant.set_gravity_enabled(instance, False)  # as the arm's own controller compensates it
+        for actuator, p, d in zip(self.robot.actuators, *gains, strict=True):
+            actuator.set_controller_gains(PdControllerGains(p=p, d=d))
         self.plant.Finalize()
         if touch is not None:
             touch(self.plant, scene_graph)
-        rest = PiecewisePolynomial(np.zeros((9, 1)))
-        self._positions = builder.AddSystem(TrajectorySource(rest, output_derivative_order=1))
-        self._efforts = builder.AddSystem(TrajectorySource(rest))
-        builder.Connect(self._positions.get_output_port(), self.plant.get_desired_state_input_port(self.arm))
-        builder.Connect(self._efforts.get_output_port(), self.plant.get_actuation_input_port(self.arm))
+        self._sources = [_Source(builder, self.robot, instance) for instance in self.robot.instances]
         self.simulator = Simulator(builder.Build())
         self.context = self.plant.GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
 
-    def command(self, positions: Trajectory, efforts: Trajectory) -> None:
+    def command(self, command: Command) -> None:
         """Set desired positions and added efforts of arm and fingers over the time of a motion."""
-        self._positions.UpdateTrajectory(positions)
-        self._efforts.UpdateTrajectory(efforts)
+        for source in self._sources:
+            source.update(command)
 
     def start(self, step: int) -> None:
         """Set the time and keep the state of the plant."""
@@ -111,6 +111,23 @@ class SimulatedPlant:
         return self.plant.num_positions() + self.plant.GetVelocitiesFromArray(instance, numbers).astype(np.intp)
 
 
+class _Source:
+    """Source of the commands to a model instance: the arm, the gripper, or both if they are one model."""
+
+    def __init__(self, builder: DiagramBuilder, robot: RobotBodies, instance: ModelInstanceIndex) -> None:
+        self._parts = robot.parts(instance)
+        plant = robot.plant
+        rest = PiecewisePolynomial(np.zeros((plant.num_actuated_dofs(instance), 1)))
+        self._positions = builder.AddSystem(TrajectorySource(rest, output_derivative_order=1))
+        self._efforts = builder.AddSystem(TrajectorySource(rest))
+        builder.Connect(self._positions.get_output_port(), plant.get_desired_state_input_port(instance))
+        builder.Connect(self._efforts.get_output_port(), plant.get_actuation_input_port(instance))
+
+    def update(self, command: Command) -> None:
+        self._positions.UpdateTrajectory(command.positions(self._parts))
+        self._efforts.UpdateTrajectory(command.efforts(self._parts))
+
+
 class SimulatedScene(SimulatedPlant):
     """A plant of the arm and everything around it.
 
@@ -125,15 +142,19 @@ class SimulatedScene(SimulatedPlant):
     ) -> None:
         """Build the plant. With `rims`, supports also carry boxes that overhang, and no joint may be locked."""
 
-        def add(plant: MultibodyPlant) -> ModelInstanceIndex:
+        def add(plant: MultibodyPlant) -> RobotBodies:
             self.bodies = add_scene(plant, spec)
             if rims:
                 add_rims(plant, spec)
-            return self.bodies.arm
+            return self.bodies.robot
 
-        super().__init__(config, add, gains, lambda plant, graph: filter_flat_contacts(plant, graph, self.bodies))
+        def touch(plant: MultibodyPlant, scene_graph: SceneGraph) -> None:
+            filter_flat_contacts(plant, scene_graph, self.bodies)
+            find_robot(spec.robot).filter(self.bodies.robot, scene_graph)
+
+        super().__init__(config, add, gains, touch)
         self._boxes = {body.index(): name for name, body in self.bodies.boxes.items()}
-        self._fingers = [body.index() for body in self.bodies.fingers]
+        self._fingers = [body.index() for body in self.bodies.robot.fingers]
 
     def find_gripped(self, force: float) -> str | None:
         """Return the box that each finger pressed with at least `force` [N] in the last step, if any."""

@@ -8,10 +8,8 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlantConfig
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
-from ictamp_drake.models.constants import HOME
-from ictamp_drake.models.hand import MAX_OPENING
-from ictamp_drake.world.build import add_arm
-from ictamp_drake.world.commands import desired_positions, feedforward, obedience_time, stand_still
+from ictamp_drake.world.build import add_robot
+from ictamp_drake.world.commands import command_motion, obedience_time, stand_still
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.lookout import Lookout
 from ictamp_drake.world.outcome import Frame, Outcome, Tape
@@ -46,22 +44,26 @@ class Physics:
     def __init__(self, world: World, config: PhysicsConfig) -> None:
         self.config = config
         self._world = world
+        self._gains = config.gains(world.robot)
         self._scene = self._plain = self._build(rims=False)
         contact = contact_model(config)
         contact.use_sampled_output_ports = False  # no forces of contact to keep
-        self._arm = SimulatedPlant(contact, partial(add_arm, spec=world.spec), config.gains(), None)
+        self._arm = SimulatedPlant(contact, partial(add_robot, spec=world.spec), self._gains, None)
         self._sleepers = Sleepers(self._plain)
         self._lookout = Lookout(world)
         bodies = self._plain.bodies
         self._boxes = {name: self._plain.positions(body.model_instance()) for name, body in bodies.boxes.items()}
-        self._q = self._plain.positions(bodies.arm)
-        self._arm_x = np.concatenate([self._q, self._plain.velocities(bodies.arm)])
-        self._command = (HOME, GripperCommand(MAX_OPENING))
+        robot, positions = bodies.robot, self._plain.plant.num_positions()
+        self._q, self._fingers = robot.arm, robot.gripper
+        self._robot_x = np.concatenate([robot.arm, robot.gripper, positions + robot.velocities])
+        alone, positions = self._arm.robot, self._arm.plant.num_positions()
+        self._alone_x = np.concatenate([alone.arm, alone.gripper, positions + alone.velocities])
+        self._command = (world.robot.home, GripperCommand(world.robot.gripper.opening))
         self._held: str | None = None
         self._looked = (self._scene.x, self._scene.x)
 
     def _build(self, *, rims: bool) -> SimulatedScene:
-        return SimulatedScene(self._world.spec, contact_model(self.config), self.config.gains(), rims=rims)
+        return SimulatedScene(self._world.spec, contact_model(self.config), self._gains, rims=rims)
 
     @cached_property
     def _rimmed(self) -> SimulatedScene:
@@ -110,11 +112,11 @@ class Physics:
         self._sleepers.wake()
         self._command, self._held = (c.commanded, c.gripper), c.held
         x = np.zeros(self._scene.x.size)
-        x[self._q] = c.q
+        x[self._q], x[self._fingers] = c.q, c.fingers
         for name, places in self._boxes.items():
             x[places] = c.poses[name]
         if c.x is not None:
-            if c.x.shape != x.shape or self._view(c.x) != Configuration(c.q, c.poses):
+            if c.x.shape != x.shape or self._view(c.x) != Configuration(c.q, c.fingers, c.poses):
                 raise ValueError("x of the configuration belongs to other positions of the arm or the boxes")
             x = c.x
         self._scene.x = x
@@ -132,7 +134,7 @@ class Physics:
         tape.add(0, self._scene.x)
         self._looked = (self._scene.x, self._scene.x)
         self._tell(motion)
-        step, elapsed, obeyed = 0, 0.0, config.steps(obedience_time(self._command[1], motion))
+        step, elapsed, obeyed = 0, 0.0, config.steps(self._obedience_time(motion))
         for segment in motion:
             elapsed += segment.duration
             end = config.steps(elapsed)
@@ -154,11 +156,14 @@ class Physics:
     def _tell(self, motion: Sequence[Segment]) -> None:
         """Send the commands of a motion to both plants."""
         config, (q, gripper) = self.config, self._command
-        end = max(sum(segment.duration for segment in motion), obedience_time(gripper, motion)) + config.settle_time
+        end = max(sum(segment.duration for segment in motion), self._obedience_time(motion)) + config.settle_time
         end += 2 * (config.settle_check + config.time_step)
-        positions, efforts = desired_positions(q, gripper, motion, end), feedforward(gripper, motion, end)
+        command = command_motion(self._world.robot.gripper, q, gripper, motion, end)
         for simulated in (self._scene, self._arm):
-            simulated.command(positions, efforts)
+            simulated.command(command)
+
+    def _obedience_time(self, motion: Sequence[Segment]) -> float:
+        return obedience_time(self._command[1], motion, self._world.robot.gripper.speed)
 
     def _choose(self, touches: frozenset[str] | None, step: int) -> SimulatedPlant:
         """Let every box sleep that may, or none if `touches` is None, and prepare the plant that simulates the rest."""
@@ -171,7 +176,9 @@ class Physics:
             self._sleepers.let_sleep(frozenset(self._boxes) - awake)
             if not touches and not awake:
                 simulated = self._arm
-                simulated.x = self._scene.x[self._arm_x]
+                x = np.empty(len(self._alone_x))
+                x[self._alone_x] = self._scene.x[self._robot_x]
+                simulated.x = x
         simulated.start(step)
         return simulated
 
@@ -199,7 +206,7 @@ class Physics:
             simulated.advance(step)
             x = self._scene.x
             if simulated is self._arm:
-                x[self._arm_x] = simulated.x
+                x[self._robot_x] = simulated.x[self._alone_x]
                 self._scene.x = x
             self._looked = self._looked[1], x
             tape.add(step, x)
@@ -249,7 +256,7 @@ class Physics:
         """Return the positions of arm and boxes in a state of the scene, by default the current one."""
         x = self._scene.x if x is None else x
         return Configuration(
-            x[self._q], {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
+            x[self._q], x[self._fingers], {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
         )
 
 

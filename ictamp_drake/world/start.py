@@ -7,8 +7,7 @@ import numpy as np
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, Configuration, State
-from ictamp_drake.models.constants import ARM_LIMITS
-from ictamp_drake.models.grip import check_weight
+from ictamp_drake.robots.grip import check_weight
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.config import PredicateConfig
 from ictamp_drake.world.resting import explain_loose, show_length
@@ -35,7 +34,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
     state = abstraction(c)
     _check_carried(world, c, state, abstraction.config)
     if held:
-        check_weight(world.spec.boxes[held].mass, world.spec.boxes[held].friction, f"boxes.{held}")
+        check_weight(world.spec.boxes[held].mass, world.spec.boxes[held].friction, world.robot.gripper, f"boxes.{held}")
     if held and Atom("in-hand", (held,)) not in state:
         problem = "expected a box between the fingers that rests on nothing, got {value}"
         raise IctampError(Code.NOT_HELD, problem, field="start.held", value=held)
@@ -54,12 +53,12 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
 
 
 def _check_joints(world: World) -> None:
-    joints = world.spec.start.joints
-    if joints and len(joints) != len(ARM_LIMITS):
-        problem = f"expected {len(ARM_LIMITS)} numbers, got {{value}}"
+    joints, robot = world.spec.start.joints, world.robot
+    if joints and len(joints) != len(robot.joints):
+        problem = f"expected {len(robot.joints)} numbers, got {{value}}"
         raise IctampError(Code.WRONG_LENGTH, problem, field="start.joints", value=joints)
-    for number, (position, limits) in enumerate(zip(joints, ARM_LIMITS, strict=False)):
-        check_range(f"start.joints[{number}]", position, limits.lower, limits.upper, " rad")
+    for number, (position, lower, upper) in enumerate(zip(joints, robot.lower, robot.upper, strict=False)):
+        check_range(f"start.joints[{number}]", position, lower, upper, " rad")
 
 
 def find_overlaps(world: World, c: Configuration) -> list[Touch]:

@@ -7,10 +7,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand
-from ictamp_drake.models.constants import HOME, MAX_GRIP_FORCE
-from ictamp_drake.models.grip import LEAST_FORCE, needed_force
-from ictamp_drake.models.hand import MAX_OPENING
-from ictamp_drake.models.kinematics import forward
+from ictamp_drake.robots.grip import LEAST_FORCE, needed_force
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec, SupportSpec
 from ictamp_drake.world.build import SKIN, build_kinematic
 from ictamp_drake.world.frames import Upright, upright_frame
@@ -57,10 +55,16 @@ class _Top(NamedTuple):
 
 
 class World:
-    """Scene for queries. It holds one Drake context and is not thread-safe."""
+    """Scene for queries. It holds one Drake context and is not thread-safe.
+
+    Attributes:
+        spec: Specification of the scene.
+        robot: Arm and gripper.
+    """
 
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
+        self.robot = find_robot(spec.robot)
         self.diagram, self.bodies = build_kinematic(spec)
         self.plant = self.diagram.plant()
         self.context = self.diagram.CreateDefaultContext()
@@ -75,9 +79,8 @@ class World:
         self._areas = {name: [area for area in spec.areas if spec.areas[area].on == name] for name in spec.supports}
 
     def _name_geometries(self) -> dict[object, str]:
-        arm = self.plant.GetBodyIndices(self.bodies.arm)
-        named = [(ARM, self.plant.get_body(index)) for index in arm]
-        named += zip(FINGERS, self.bodies.fingers, strict=True)
+        named = [(ARM, body) for body in self.bodies.robot.links]
+        named += zip(FINGERS, self.bodies.robot.fingers, strict=True)
         named += [*self.bodies.boxes.items(), *self.bodies.supports.items()]
         geometries = self.plant.GetCollisionGeometriesForBody
         return {geometry: name for name, body in named for geometry in geometries(body)}
@@ -85,28 +88,28 @@ class World:
     def initial_configuration(self) -> Configuration:
         """Return arm, hand and boxes as specified. By default the arm is at home with an open hand."""
         start = self.spec.start
-        arm = np.array(start.joints) if start.joints else HOME
+        arm, gripper = np.array(start.joints) if start.joints else self.robot.home, self.robot.gripper
         poses = {name: box.X_WO for name, box in self.spec.boxes.items()}
         if not start.held:
-            return Configuration(np.append(arm, [MAX_OPENING / 2] * 2), poses)
-        gripper, fingers = self._grip(arm, start.held, poses[start.held])
-        return Configuration(np.append(arm, fingers), poses, start.held, gripper, commanded=arm)
+            wide = gripper.opening
+            return Configuration(arm, gripper.positions(wide), poses, gripper=GripperCommand(wide))
+        command, fingers = self._grip(arm, start.held, poses[start.held])
+        return Configuration(arm, fingers, poses, start.held, command)
 
     def _grip(self, arm: FloatArray, box: str, X_WO: FloatArray) -> tuple[GripperCommand, FloatArray]:
-        """Return the command that holds the box, and the finger positions that just touch it, shape (2,) [m]."""
-        X_WG = to_transform(self.spec.arm.X_WB) @ RigidTransform(forward(arm[None])[0])
+        """Return the command that holds the box, and the finger positions that just touch it, shape (m,)."""
+        X_WG = to_transform(self.spec.arm.X_WB) @ RigidTransform(self.robot.forward(arm[None])[0])
         X_GO = X_WG.inverse() @ to_transform(X_WO)
-        half = float(np.abs(X_GO.rotation().matrix()[1]) @ self.sizes[box]) / 2
-        offset, middle, _ = X_GO.translation()  # the left finger is on the side of positive y
-        spec = self.spec.boxes[box]
-        force = float(np.clip(needed_force(spec.mass, spec.friction, offset), LEAST_FORCE, MAX_GRIP_FORCE))
-        return GripperCommand(2 * half, force), np.clip([half + middle, half - middle], 0.0, MAX_OPENING / 2)
+        width = float(np.abs(X_GO.rotation().matrix()[1]) @ self.sizes[box])
+        offset, middle, _ = X_GO.translation()  # the first finger is on the side of positive y
+        spec, gripper = self.spec.boxes[box], self.robot.gripper
+        force = needed_force(spec.mass, spec.friction, gripper.hand.lever, offset)
+        force = float(np.clip(force, LEAST_FORCE, gripper.force))
+        return GripperCommand(width, force), gripper.enclose(width, middle)
 
     def set_configuration(self, c: Configuration) -> None:
         """Set the context to c."""
-        self.plant.SetPositions(self._plant_context, self.bodies.arm, c.q)
-        for name, body in self.bodies.boxes.items():
-            self.plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
+        self.plant.SetPositions(self._plant_context, self.bodies.positions(c))
 
     def touches(self, c: Configuration, tolerance: float) -> list[Touch]:
         """Return all pairs of boxes, supports, fingers and arm at most `tolerance` [m] apart in c."""
