@@ -111,17 +111,19 @@ class Configuration:
     """c, the complete state from which the simulator continues. Immutable, picklable, compared bit for bit.
 
     Attributes:
-        q: Joint positions, 7 of the arm [rad] and 2 of the fingers [m], shape (9,).
+        q: Positions of the arm's joints [rad], shape (n,).
+        fingers: Positions of the fingers' joints [m], shape (m,).
         poses: Pose X_WO of every box by name, each of shape (7,).
         held: Box that the hand grips, or None when it grips nothing.
         gripper: Last command to the hand; by default the widest opening of the Panda hand (`models.hand.MAX_OPENING`).
-        commanded: Last commanded positions of the arm, where the next motion starts [rad], shape (7,); by default those
+        commanded: Last commanded positions of the arm, where the next motion starts [rad], shape (n,); by default those
             of `q`, from which they differ by a fraction of a milliradian when the arm carries a load.
-        x: Complete state of the simulated plant, shape (n,): positions and velocities in the plant's order, with
+        x: Complete state of the simulated plant, shape (s,): positions and velocities in the plant's order, with
             quaternions that are not normalized; None when c was not simulated, and then everything is at rest.
     """
 
     q: FloatArray
+    fingers: FloatArray
     poses: Mapping[str, FloatArray]
     held: str | None = None
     gripper: GripperCommand = GripperCommand(width=0.08)
@@ -130,15 +132,17 @@ class Configuration:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q", _freeze(self.q))
+        object.__setattr__(self, "fingers", _freeze(self.fingers))
         object.__setattr__(self, "poses", {name: _freeze(self.poses[name]) for name in sorted(self.poses)})
-        object.__setattr__(self, "commanded", _freeze(self.q[:7] if self.commanded is None else self.commanded))
+        object.__setattr__(self, "commanded", _freeze(self.q if self.commanded is None else self.commanded))
         object.__setattr__(self, "x", None if self.x is None else _freeze(self.x))
 
     @cached_property
     def _key(self) -> tuple[Hashable, ...]:
         poses = tuple((name, pose.tobytes()) for name, pose in self.poses.items())
         state = None if self.x is None else self.x.tobytes()
-        return self.q.tobytes(), poses, self.held, self.gripper, self.commanded.tobytes(), state
+        joints = self.q.tobytes(), self.fingers.tobytes(), self.commanded.tobytes()
+        return joints, poses, self.held, self.gripper, state
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Configuration) and self._key == other._key
@@ -148,7 +152,7 @@ class Configuration:
 
     def __reduce__(self) -> tuple[type["Configuration"], tuple[object, ...]]:
         # Arrays would lose their write protection otherwise.
-        return Configuration, (self.q, self.poses, self.held, self.gripper, self.commanded, self.x)
+        return Configuration, (self.q, self.fingers, self.poses, self.held, self.gripper, self.commanded, self.x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +189,7 @@ class Recording:
 
     Attributes:
         times: Times from the start of the motion [s], shape (m,).
-        states: States of the plant at these times, as in `Configuration.x`, shape (m, n).
+        states: States of the plant at these times, as in `Configuration.x`, shape (m, s).
     """
 
     times: FloatArray

@@ -179,7 +179,7 @@ class _Shapes:
     def _enter(self, c: Configuration) -> None:
         """Put the boxes and fingers where c has them, and the held box into the hand."""
         bodies = self._world.bodies
-        self._plant.SetPositions(self._context, bodies.arm, c.q)
+        self._plant.SetPositions(self._context, bodies.arm, np.append(c.q, c.fingers))
         for name, body in bodies.boxes.items():
             X_WO = _AWAY if name == c.held else to_transform(c.poses[name])
             self._plant.SetFloatingBaseBodyPoseInWorldFrame(self._context, body, X_WO)

@@ -147,7 +147,7 @@ class MotionPlanner:
         """
         assert c.held is not None
         box = self._world.spec.boxes[c.held]
-        X_GO = self.kinematics.forward(c.q[:7]).inverse() @ to_transform(c.poses[c.held])
+        X_GO = self.kinematics.forward(c.q).inverse() @ to_transform(c.poses[c.held])
         load = Load(X_GO.translation(), box.mass, bearable(c.gripper.force, box.friction))
         carried: list[Trajectory] = []
         for trajectory in trajectories:
@@ -179,7 +179,7 @@ class MotionPlanner:
         """A path over what stands in between."""
         p0, p1 = (self.kinematics.forward(q).translation() for q in (q0, q1))
         height = obstacle_height(self._world, c, p0, p1, self.config.hand_width) + self.config.rise
-        height += reach_below_grasp(self._world, c, self.kinematics.forward(c.q[:7]))
+        height += reach_below_grasp(self._world, c, self.kinematics.forward(c.q))
         return raised_path(self.kinematics, q0, q1, height)
 
     def _fit_path(self, path: FloatArray | None) -> Iterator[Trajectory]:

@@ -170,7 +170,7 @@ class Observer:
             np.concatenate([self._X_BW @ X_WU, np.broadcast_to(self._X_BS, (count, supports, 4, 4))], axis=1),
             np.concatenate([sizes, np.broadcast_to(self._support_sizes, (count, supports, 3))], axis=1),
             np.concatenate([~upright, np.zeros((count, supports), bool)], axis=1),
-            forward(np.array([c.q[:7] for c in distinct])),
+            forward(np.array([c.q for c in distinct])),
             np.array([ABSENT if c.held is None else self._number[c.held] for c in distinct]),
         )
         return found.select(np.array([distinct[c] for c in configurations]))

@@ -40,5 +40,5 @@ def imagine(
     held: str | None,
     moved: Mapping[str, FloatArray] | None = None,
 ) -> Configuration:
-    """c with the arm at q, shape (7,) [rad], fingers `width` apart [m], and the `moved` boxes at their X_WO."""
-    return Configuration(np.concatenate([q, [width / 2] * 2]), {**c.poses, **(moved or {})}, held)
+    """c with the arm at q, shape (n,) [rad], fingers `width` apart [m], and the `moved` boxes at their X_WO."""
+    return Configuration(q, np.full(2, width / 2), {**c.poses, **(moved or {})}, held)

@@ -59,7 +59,7 @@ class GeometricSampler:
         around = neighbours(self._world, c, {action.args[0]}, -np.inf)
         draw = self._draw_grasps if action.name == "pick" else self._draw_placements
         while len(k := draw(c, action, around, rng)):
-            times = self._arm.travel_times(self._hand_poses(c, action, k), c.q[:7])
+            times = self._arm.travel_times(self._hand_poses(c, action, k), c.q)
             k = k[np.isfinite(times)][:COMPARED]
             if not len(k):
                 return
@@ -67,7 +67,7 @@ class GeometricSampler:
             yield from k[np.argsort(np.linalg.norm(k[:, :2], axis=1), kind="stable")] if on_box else k
 
     def _hand_poses(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
-        return hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
+        return hand_poses(self._world, c, action, k, self._arm.forward(c.q))
 
     def _draw_grasps(
         self, c: Configuration, action: Action, around: Sequence[Neighbour], rng: np.random.Generator
@@ -96,7 +96,7 @@ class GeometricSampler:
     ) -> FloatArray:
         """Placements with room for the box and for the hand that lets go of it, shape (n, 4)."""
         box, place = action.args
-        X_WG = self._arm.forward(c.q[:7])
+        X_WG = self._arm.forward(c.q)
         half, top = self._world.upright_frame(c, box).size / 2, self._world.top_size(c, place) / 2
         k = np.zeros((CANDIDATES, 4))
         k[:, 2] = rng.uniform(*HEIGHTS, CANDIDATES)

@@ -81,7 +81,7 @@ class OptimizationSampler:
         if action.name == "pick":
             X_WG = self._solve(lambda: self._grasp(c, box, around, rng, config), rng)
             return None if X_WG is None else grasp_parameter(self._world, c, box, X_WG)
-        X_GB = held_bottom(self._world, c, box, self._arm.forward(c.q[:7]))
+        X_GB = held_bottom(self._world, c, box, self._arm.forward(c.q))
         X_WG = self._solve(lambda: self._placement(c, action, X_GB, around, rng), rng)
         return None if X_WG is None else placement_parameter(self._world, c, other, X_GB, X_WG)
 

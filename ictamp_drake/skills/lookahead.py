@@ -93,5 +93,5 @@ class Lookahead:
         spots = np.array([*product((-1, 0, 1), repeat=2)] if ahead[:, :2].any() else [(0, 0)])
         p_BG = np.dstack([ahead[:, None, :2] * spots, np.broadcast_to(ahead[:, 2:], (len(ahead), len(spots)))])
         p_WG = (X_WB @ p_BG.reshape(-1, 3).T).T
-        times = self._arm.travel_times(grasps(np.insert(p_WG, 3, 0.0, axis=1)), c.q[:7])
+        times = self._arm.travel_times(grasps(np.insert(p_WG, 3, 0.0, axis=1)), c.q)
         return bool(np.isfinite(times).reshape(p_BG.shape[:2]).any(axis=1).all())

@@ -29,7 +29,7 @@ class Place:
         """The motion that places with parameter k from c, or the reason why there is none."""
         planner, (box, receptacle) = self._planner, action.args
         support = self._world.spec.support_of(receptacle)
-        X_WG0 = planner.kinematics.forward(c.q[:7])
+        X_WG0 = planner.kinematics.forward(c.q)
         X_GB = held_bottom(self._world, c, box, X_WG0)
         X_WG = placement_pose(self._world, c, receptacle, X_GB, k)
         X_WO = X_WG @ X_WG0.inverse() @ to_transform(c.poses[box])
@@ -69,8 +69,8 @@ class Place:
         """The first opening that the neighbors leave room for, and the straight way to X_WG with it."""
         refusal = Refusal(Failure.GOAL_IN_COLLISION)
         for opening in fitting:
-            opened = imagine(placed, q=placed.q[:7], width=opening.width, held=None)
-            retreat = self._planner.plan_straight(opened, placed.q[:7], X_WG)
+            opened = imagine(placed, q=placed.q, width=opening.width, held=None)
+            retreat = self._planner.plan_straight(opened, placed.q, X_WG)
             if not isinstance(retreat, Refusal):
                 return opening, retreat.trajectory
             refusal = retreat

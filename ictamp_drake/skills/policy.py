@@ -79,5 +79,5 @@ class PolicySampler:
 
     def _times(self, c: Configuration, action: Action, k: FloatArray) -> FloatArray:
         """Lower bound of the arm's travel time to the hand pose of each k, shape (n, 4) -> (n,) [s]."""
-        X_WG = hand_poses(self._world, c, action, k, self._arm.forward(c.q[:7]))
-        return np.minimum(self._arm.travel_times(X_WG, c.q[:7]), _OUT_OF_REACH)
+        X_WG = hand_poses(self._world, c, action, k, self._arm.forward(c.q))
+        return np.minimum(self._arm.travel_times(X_WG, c.q), _OUT_OF_REACH)

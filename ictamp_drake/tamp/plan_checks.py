@@ -10,7 +10,7 @@ import numpy as np
 from ictamp_drake.core.checks import POSITIVE, check_choice, check_count, check_range, check_vector
 from ictamp_drake.core.errors import Code, IctampError, join_fields, show
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment, State
-from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, MAX_GRIP_FORCE
+from ictamp_drake.models.constants import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, MAX_GRIP_FORCE
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.symbolic.domain import Domain
@@ -56,8 +56,8 @@ def within(field: str) -> Iterator[None]:
 
 def check_configuration(c: Configuration, spec: SceneSpec) -> None:
     """Raise IctampError unless arm, hand and boxes are somewhere where they can be."""
-    _check_joints("q", c.q[:7])
-    check_vector("q", c.q[7:].tolist(), -FINGER_TOLERANCE, MAX_OPENING / 2 + FINGER_TOLERANCE, " m", count=2)
+    _check_joints("q", c.q)
+    check_vector("q", c.fingers.tolist(), -FINGER_TOLERANCE, MAX_OPENING / 2 + FINGER_TOLERANCE, " m", count=2)
     for name in [name for name in c.poses if name not in spec.boxes]:
         check_choice(f"poses.{name}", name, spec.boxes)
     for name in spec.boxes:
@@ -78,18 +78,19 @@ def check_start(c: Configuration, spec: SceneSpec) -> None:
     """Raise IctampError unless execution can start from c."""
     check_configuration(c, spec)
     _check_joints("commanded", c.commanded)
-    if np.abs(c.commanded - c.q[:7]).max() > MAX_LAG:
+    if np.abs(c.commanded - c.q).max() > MAX_LAG:
         problem = f"expected positions within {MAX_LAG} rad of q, got {{value}}"
         raise IctampError(Code.CONFLICT, problem, field="commanded", value=c.commanded.tolist())
     if c.x is None:
         return
-    joints, boxes = len(ARM_LIMITS) + len(FINGER_JOINTS), len(spec.boxes)
+    arm, boxes = len(ARM_JOINTS), len(spec.boxes)
+    joints = arm + len(FINGER_JOINTS)
     _check_length("x", c.x, 2 * joints + 13 * boxes)
     check_vector("x", c.x.tolist(), -100, 100, count=None)
     check_vector("x", c.x[joints + 7 * boxes :].tolist(), -MAX_SPEED, MAX_SPEED, count=None)
     poses = [c.x[joints + 7 * number :][:7] for number in range(boxes)]
     found = {name: _normalized(pose) for name, pose in zip(sorted(spec.boxes), poses, strict=True)}
-    if Configuration(c.x[:joints], found) != Configuration(c.q, c.poses):
+    if Configuration(c.x[:arm], c.x[arm:joints], found) != Configuration(c.q, c.fingers, c.poses):
         problem = "expected the positions of q and poses, exactly as they are there"
         raise IctampError(Code.CONFLICT, problem, field="x")
 

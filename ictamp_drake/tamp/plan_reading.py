@@ -12,6 +12,7 @@ from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
+from ictamp_drake.models.constants import ARM_JOINTS
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.plan_checks import (
@@ -118,8 +119,10 @@ class _Moment:
         if len(self.q) != 9:
             raise IctampError(Code.WRONG_LENGTH, "expected nine numbers, got {value}", field="q", value=self.q)
 
-    def arrays(self) -> tuple[FloatArray, dict[str, FloatArray]]:
-        return np.array(self.q), {name: np.array(pose) for name, pose in self.poses.items()}
+    def arrays(self) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
+        """Return positions of the arm and of the fingers, and poses of the boxes."""
+        q, fingers = np.split(np.array(self.q), [len(ARM_JOINTS)])
+        return q, fingers, {name: np.array(pose) for name, pose in self.poses.items()}
 
 
 @dataclass(frozen=True)
@@ -131,10 +134,10 @@ class _Start(_Moment):
     gripper: GripperCommand = GripperCommand(MAX_OPENING)  # plans of earlier versions start with an open hand
 
     def configuration(self) -> Configuration:
-        q, poses = self.arrays()
+        q, fingers, poses = self.arrays()
         commanded = None if self.commanded is None else np.array(self.commanded)
         x = None if self.x is None else np.array(self.x)
-        return Configuration(q, poses, self.held, self.gripper, commanded, x)  # type: ignore[arg-type]
+        return Configuration(q, fingers, poses, self.held, self.gripper, commanded, x)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -188,8 +191,8 @@ class _Step:
     def _end(self, last: Segment, spec: SceneSpec) -> Configuration | None:
         if self.expected is None:
             return None
-        q, poses = self.expected.arrays()
-        c = Configuration(q, poses, self.expected.held, last.gripper, last.control_points[-1])
+        q, fingers, poses = self.expected.arrays()
+        c = Configuration(q, fingers, poses, self.expected.held, last.gripper, last.control_points[-1])
         with within("expected"):
             check_configuration(c, spec)
         return c

@@ -104,8 +104,8 @@ def describe_configuration(spec: SceneSpec, c: Configuration, atoms: State) -> d
     """Return positions of joints and bodies, the hand's width, what it holds, and the atoms that hold."""
     X_BW = to_transform(spec.arm.X_WB).inverse()
     return {
-        "q": c.q.tolist(),
-        "width": float(c.q[7:].sum()),
+        "q": [*c.q.tolist(), *c.fingers.tolist()],
+        "width": float(c.fingers.sum()),
         "held": c.held,
         "load": _describe_load(spec, c),
         "poses": {name: pose.tolist() for name, pose in c.poses.items()},
@@ -119,7 +119,7 @@ def _describe_load(spec: SceneSpec, c: Configuration) -> dict[str, Any] | None:
     if c.held is None:
         return None
     box = spec.boxes[c.held]
-    X_WF = to_transform(spec.arm.X_WB) @ RigidTransform(forward(c.q[None, :7])[0]) @ X_FG.inverse()
+    X_WF = to_transform(spec.arm.X_WB) @ RigidTransform(forward(c.q[None])[0]) @ X_FG.inverse()
     X_FO = X_WF.inverse() @ to_transform(c.poses[c.held])
     return {"body": c.held, "mass": box.mass, "extent": list(box.size), "pose_in_flange": to_pose(X_FO).tolist()}
 

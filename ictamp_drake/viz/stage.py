@@ -157,6 +157,6 @@ class Stage:
         return query
 
     def _set(self, c: Configuration) -> None:
-        self._plant.SetPositions(self._plant_context, self._bodies.arm, c.q)
+        self._plant.SetPositions(self._plant_context, self._bodies.arm, np.append(c.q, c.fingers))
         for name, body in self._bodies.boxes.items():
             self._plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])

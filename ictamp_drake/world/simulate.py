@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlantConfig
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Recording, Segment
-from ictamp_drake.models.constants import HOME
+from ictamp_drake.models.constants import ARM_JOINTS, HOME
 from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.world.build import add_arm
 from ictamp_drake.world.commands import desired_positions, feedforward, obedience_time, stand_still
@@ -54,8 +54,9 @@ class Physics:
         self._lookout = Lookout(world)
         bodies = self._plain.bodies
         self._boxes = {name: self._plain.positions(body.model_instance()) for name, body in bodies.boxes.items()}
-        self._q = self._plain.positions(bodies.arm)
-        self._arm_x = np.concatenate([self._q, self._plain.velocities(bodies.arm)])
+        joints = self._plain.positions(bodies.arm)
+        self._q, self._fingers = np.split(joints, [len(ARM_JOINTS)])
+        self._arm_x = np.concatenate([joints, self._plain.velocities(bodies.arm)])
         self._command = (HOME, GripperCommand(MAX_OPENING))
         self._held: str | None = None
         self._looked = (self._scene.x, self._scene.x)
@@ -110,11 +111,11 @@ class Physics:
         self._sleepers.wake()
         self._command, self._held = (c.commanded, c.gripper), c.held
         x = np.zeros(self._scene.x.size)
-        x[self._q] = c.q
+        x[self._q], x[self._fingers] = c.q, c.fingers
         for name, places in self._boxes.items():
             x[places] = c.poses[name]
         if c.x is not None:
-            if c.x.shape != x.shape or self._view(c.x) != Configuration(c.q, c.poses):
+            if c.x.shape != x.shape or self._view(c.x) != Configuration(c.q, c.fingers, c.poses):
                 raise ValueError("x of the configuration belongs to other positions of the arm or the boxes")
             x = c.x
         self._scene.x = x
@@ -248,9 +249,8 @@ class Physics:
     def _view(self, x: FloatArray | None = None) -> Configuration:
         """Return the positions of arm and boxes in a state of the scene, by default the current one."""
         x = self._scene.x if x is None else x
-        return Configuration(
-            x[self._q], {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
-        )
+        poses = {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
+        return Configuration(x[self._q], x[self._fingers], poses)
 
 
 class _SleeperTouchedError(Exception):

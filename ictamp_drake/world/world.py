@@ -88,9 +88,9 @@ class World:
         arm = np.array(start.joints) if start.joints else HOME
         poses = {name: box.X_WO for name, box in self.spec.boxes.items()}
         if not start.held:
-            return Configuration(np.append(arm, [MAX_OPENING / 2] * 2), poses)
+            return Configuration(arm, np.full(2, MAX_OPENING / 2), poses)
         gripper, fingers = self._grip(arm, start.held, poses[start.held])
-        return Configuration(np.append(arm, fingers), poses, start.held, gripper, commanded=arm)
+        return Configuration(arm, fingers, poses, start.held, gripper)
 
     def _grip(self, arm: FloatArray, box: str, X_WO: FloatArray) -> tuple[GripperCommand, FloatArray]:
         """Return the command that holds the box, and the finger positions that just touch it, shape (2,) [m]."""
@@ -104,7 +104,7 @@ class World:
 
     def set_configuration(self, c: Configuration) -> None:
         """Set the context to c."""
-        self.plant.SetPositions(self._plant_context, self.bodies.arm, c.q)
+        self.plant.SetPositions(self._plant_context, self.bodies.arm, np.append(c.q, c.fingers))
         for name, body in self.bodies.boxes.items():
             self.plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
 
