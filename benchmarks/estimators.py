@@ -41,7 +41,7 @@ def options(world: World) -> list[tuple[Configuration, Skeleton]]:
     found = []
     while len(found) < OPTIONS:
         poses = {name: pose + np.append(np.zeros(4), rng.normal(scale=0.005, size=3)) for name, pose in c.poses.items()}
-        moved = Configuration(c.q, poses, c.held, c.gripper)
+        moved = Configuration(c.q, c.fingers, poses, c.held, c.gripper)
         found += [(moved, Skeleton((state, after), (action,))) for action, after in successors]
     return found[:OPTIONS]
 

@@ -100,7 +100,7 @@ class Measured:
 
 def pose_in_hand(c: Configuration, box: str) -> RigidTransform:
     """X_GO of a box, with the arm at the origin."""
-    return RigidTransform(forward(c.q[None, :7])[0]).inverse() @ to_transform(c.poses[box])
+    return RigidTransform(forward(c.q[None])[0]).inverse() @ to_transform(c.poses[box])
 
 
 def make_scene(box: BoxSpec, mass: float, friction: float) -> SceneSpec:

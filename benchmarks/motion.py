@@ -51,7 +51,7 @@ def stage(result: PlannedMotion | Refusal) -> str:
 
 def grasp(c: Configuration, box: str, size: FloatArray, q: FloatArray) -> Configuration:
     """Return c with the box in the hand."""
-    return Configuration(np.append(q, [size[1] / 2] * 2), c.poses, box)
+    return Configuration(q, np.full(2, size[1] / 2), c.poses, box)
 
 
 def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None:
@@ -62,14 +62,14 @@ def pick_and_carry(world: World, clock: Clock, rng: np.random.Generator) -> None
     X_WG = world.upright_frame(c, box).X_WU @ RigidTransform(DOWN, [0.0, 0.0, max(0.0, size[2] / 2 - 0.03)])
     above = RigidTransform(X_WG.rotation(), X_WG.translation() + LIFT)
     start = time.process_time()
-    clock.time("new configuration", lambda: planner.scene.is_free(c, c.q[:7]))
-    q = clock.time("posture", lambda: planner.posture(c, X_WG, c.q[:7]))
+    clock.time("new configuration", lambda: planner.scene.is_free(c, c.q))
+    q = clock.time("posture", lambda: planner.posture(c, X_WG, c.q))
     if isinstance(q, Refusal):
         return
     back = clock.time("straight", lambda: planner.plan_straight(c, q, above))
     if isinstance(back, Refusal):
         return
-    clock.time(stage, lambda: planner.transfer(c, c.q[:7], back.trajectory.end, rng))
+    clock.time(stage, lambda: planner.transfer(c, c.q, back.trajectory.end, rng))
     held = grasp(c, box, size, q)
     clock.time("new configuration, holding", lambda: planner.scene.is_free(held, q))
     lift = clock.time("straight, holding", lambda: planner.plan_straight(held, q, above))

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.files import make_folder, refuse_unwritable, write_whole
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.runs.command import COMPLETE, command
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.tamp.samples import gripper_csv, joints_csv, ros_yaml, sample
@@ -44,13 +45,18 @@ def act(options: ExportOptions, console: Console) -> int:
     Raises:
         IctampError: The file is not a plan, or a file cannot be written.
     """
-    parts = sample(Plan.load(options.plan), options.rate)
+    plan = Plan.load(options.plan)
+    parts, joints = sample(plan, options.rate), find_robot(plan.spec.robot).joints
     folder = options.out or options.plan.parent
     make_folder(folder)
-    texts = {"joints.csv": joints_csv, "gripper.csv": gripper_csv, "joint_trajectory.yaml": ros_yaml}
-    for name, write in texts.items():
+    texts = {
+        "joints.csv": joints_csv(parts, joints),
+        "gripper.csv": gripper_csv(parts),
+        "joint_trajectory.yaml": ros_yaml(parts, joints),
+    }
+    for name, text in texts.items():
         with refuse_unwritable(folder / name):
-            write_whole(folder / name, write(parts))
+            write_whole(folder / name, text)
         console.print(f"Written: {folder / name}", soft_wrap=True)
     return COMPLETE
 

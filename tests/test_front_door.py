@@ -138,7 +138,7 @@ def test_planning_goes_on_with_what_is_held(plan: ict.Plan, tmp_path: Path) -> N
     c = plan.attempts[0].successor
     assert c is not None
     assert c.held
-    start = ict.Start(joints=c.q[:7], held=c.held, poses=c.poses)
+    start = ict.Start(joints=c.q, held=c.held, poses=c.poses)
     task = ict.load(plan.spec, start=start)
     assert task.c.held == c.held
     solution = ict.solve(task, time_limit=250)

@@ -83,7 +83,7 @@ def test_a_plan_of_format_1_is_read(tmp_path: Path) -> None:
     assert str(attempt.action) == "pick(red_box, table)"
     assert attempt.k is not None
     np.testing.assert_array_equal(attempt.k, [0.0, 0.0, 0.01, 1.5])
-    np.testing.assert_array_equal(plan.c.commanded, plan.c.q[:7])
+    np.testing.assert_array_equal(plan.c.commanded, plan.c.q)
     assert plan.c.x is None
     assert (segment.label, segment.gripper.force, segment.touches) == ("grasp", 20.0, None)
     assert segment.control_points.shape == (1, 7)

@@ -55,7 +55,8 @@ class ProvenPick:
         grasp, lift = motion[-2:]
         q_grasp, q_lifted = grasp.control_points[-1], lift.control_points[-1]
         X_WG = self.planner.kinematics.forward(q_lifted)
-        holding = imagine(c, q=q_grasp, width=lift.gripper.width, held=action.args[0])
+        gripper = self.planner.kinematics.robot.gripper
+        holding = imagine(gripper, c, q=q_grasp, width=lift.gripper.width, held=action.args[0])
         heave = self.planner.plan_straight(holding, q_lifted, raise_pose(X_WG, self.rise))
         if isinstance(heave, Refusal):
             return heave

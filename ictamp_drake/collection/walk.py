@@ -154,7 +154,7 @@ class _Course:
         self._config = config
         self._rng = rng
         self._world = World(spec)
-        self._arm = ArmKinematics(to_transform(spec.arm.X_WB))
+        self._arm = ArmKinematics(self._world.robot, to_transform(spec.arm.X_WB))
         self._abstraction = SceneAbstraction(self._world)
         self._physics = PhysicsConfig().create(self._world)
         plain = SkillsConfig(draws=1).create(self._world, self._abstraction, self._physics, OptimizationConfig())

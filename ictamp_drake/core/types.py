@@ -118,7 +118,7 @@ class Configuration:
         gripper: Last command to the hand; by default closed.
         commanded: Last commanded positions of the arm, where the next motion starts [rad], shape (n,); by default those
             of `q`, from which they differ by a fraction of a milliradian when the arm carries a load.
-        x: Complete state of the simulated plant, shape (n,): positions and velocities in the plant's order, with
+        x: Complete state of the simulated plant, shape (s,): positions and velocities in the plant's order, with
             quaternions that are not normalized; None when c was not simulated, and then everything is at rest.
     """
 
@@ -165,7 +165,8 @@ class Segment:
         gripper: Command to the hand, given at the segment's start or once the previous command is obeyed.
         order: Order of the B-spline (degree + 1).
         knots: Times from the segment's start [s], shape (n + order,).
-        control_points: Joint positions of the arm [rad], shape (n, joints); a single row means that the arm stands still.
+        control_points: Joint positions of the arm [rad], shape (n, joints); a single row means that the arm stands
+            still.
         touches: Names of the boxes and supports that the arm, or a box in its hand, may touch; empty when it moves
             freely, None when nothing is known. Physics lets everything else sleep, and wakes it when touched.
     """
@@ -189,7 +190,7 @@ class Recording:
 
     Attributes:
         times: Times from the start of the motion [s], shape (m,).
-        states: States of the plant at these times, as in `Configuration.x`, shape (m, n).
+        states: States of the plant at these times, as in `Configuration.x`, shape (m, s).
     """
 
     times: FloatArray

@@ -9,11 +9,15 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from ictamp_drake.models.hand import FINGER, MAX_OPENING, PALM, WRIST
-
 PARTS = 4
 """Fingers, palm, wrist, box."""
-_SIDE = MAX_OPENING / 2 + FINGER.half_width
+OPENING = 0.08
+"""Largest opening of the hand for which networks are trained [m]."""
+FINGER = (0.011, 0.0135, -0.0095)
+PALM = (0.0195, 0.101, 0.037)
+WRIST = (0.075, 0.075, 0.105)
+"""Parts of that hand, the Panda's: half sides along G's x and y axes, and height of the lower face above G [m]."""
+_SIDE = OPENING / 2 + FINGER[1]
 _HAND = torch.tensor([(_SIDE, *FINGER), (-_SIDE, *FINGER), (0.0, *PALM), (0.0, *WRIST)])
 """Of each part of the hand: shift across G's x axis, half sides, height of the lower face [m]."""
 

@@ -28,8 +28,11 @@ from ictamp_drake.core.reading import in_file, parse_json
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.core.types import Action, Attempt, Configuration, GripperCommand
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA, Observation, Observer
+from ictamp_drake.robots.spec import DEFAULT, read_robot
 from ictamp_drake.scenes.spec import SceneSpec, to_dict
 
+_ARM_JOINTS = len(read_robot(DEFAULT).joints)
+"""Number of joints of the arm in data; those of the fingers follow. Data are collected with the robot of the levels."""
 _WORD = pa.dictionary(pa.int32(), pa.string())
 
 
@@ -50,7 +53,7 @@ FIELDS = pa.schema(
         ("k", _numbers(4)),  # null when none was found
         ("failure", _WORD),  # name of a Failure; null when the promised state was reached
         ("executed", pa.bool_()),  # in physics; False when motion planning refused k
-        ("q", _numbers(9)),
+        ("q", _numbers(9)),  # positions of the joints of the arm, then of the fingers
         ("poses", pa.list_(pa.float32())),  # X_WO of the boxes in the order of their names, 7 numbers each
         ("held", _WORD),
         ("gripper", _numbers(2)),  # width [m] and force [N]
@@ -107,7 +110,7 @@ class AttemptRow:
             "k": attempt.k,
             "failure": None if attempt.failure is None else attempt.failure.name,
             "executed": bool(attempt.motion),
-            "q": c.q,
+            "q": np.append(c.q, c.fingers),
             "poses": np.concatenate(list(c.poses.values())),
             "held": c.held,
             "gripper": [c.gripper.width, c.gripper.force],
@@ -234,7 +237,9 @@ def configuration(row: Mapping[str, Any]) -> Configuration:
         raise IctampError(Code.WRONG_LENGTH, problem, field="poses", value=row["poses"])
     poses = np.reshape(row["poses"], (-1, 7)).astype(np.float64)
     width, force = row["gripper"]
-    return Configuration(row["q"], dict(zip(names, poses, strict=True)), row["held"], GripperCommand(width, force))
+    q, fingers = np.split(np.array(row["q"], np.float64), [_ARM_JOINTS])
+    boxes = dict(zip(names, poses, strict=True))
+    return Configuration(q, fingers, boxes, row["held"], GripperCommand(width, force))
 
 
 def action(row: Mapping[str, Any]) -> Action:

@@ -11,8 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ictamp_drake.learning.clearance import PARTS, Blocks, clearances
-from ictamp_drake.models.hand import MAX_OPENING
+from ictamp_drake.learning.clearance import OPENING, PARTS, Blocks, clearances
 from ictamp_drake.observation.state_matrix import ROWS, SCHEMA
 
 PLACE_HEIGHT = (0.010, 0.012)
@@ -94,7 +93,7 @@ def _margins(skill: str, matrix: Tensor, k: Tensor) -> Tensor:
     cos, sin = k[:, 3].cos().abs(), k[:, 3].sin().abs()
     half = sides(matrix) / 2
     if skill == "pick":
-        reach = half[:, 0, 0] * sin + half[:, 0, 1] * cos - MAX_OPENING / 2
+        reach = half[:, 0, 0] * sin + half[:, 0, 1] * cos - OPENING / 2
         offset = (k[:, 1] * k[:, 3].cos() - k[:, 0] * k[:, 3].sin()).abs()
         return torch.stack([reach + offset, reach], dim=-1)
     held, place = half[:, 1], half[:, 2]

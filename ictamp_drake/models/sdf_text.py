@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from ictamp_drake.models.constants import Inertial
 from ictamp_drake.models.contact import Surface
 
 DRAKE_NAMESPACE = "http://drake.mit.edu"
@@ -13,6 +12,14 @@ Color = tuple[float, float, float]
 
 _TINY = 1e-30
 """Magnitude up to which a number is 0; the parser refuses numbers that are too small for 32 bits."""
+
+
+class Inertial(NamedTuple):
+    """Mass [kg], center of mass p_LLcm [m], inertia about it (xx, yy, zz, xy, xz, yz) in the link's axes [kg m^2]."""
+
+    mass: float
+    p_LLcm: tuple[float, float, float]
+    inertia: tuple[float, float, float, float, float, float]
 
 
 class Shape(NamedTuple):

@@ -12,9 +12,8 @@ import numpy as np
 
 from ictamp_drake.core.checks import POSITIVE, check_range
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.models.constants import Inertial
 from ictamp_drake.models.contact import CONTACT_RADIUS, OBJECT, SUPPORT
-from ictamp_drake.models.sdf_text import Color, Shape, collision, document, element, inertial, visual
+from ictamp_drake.models.sdf_text import Color, Inertial, Shape, collision, document, element, inertial, visual
 from ictamp_drake.models.things import read_thing
 
 Size = tuple[float, float, float]

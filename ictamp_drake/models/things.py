@@ -13,6 +13,8 @@ from ictamp_drake.models.sdf_text import DRAKE_NAMESPACE
 FOLDER = Path(__file__).parent / "sdf"
 BOXES = tuple(sorted(path.stem for path in FOLDER.glob("*_box.sdf")))
 """Names of the boxes that have a file."""
+WIDEST = 0.075
+"""Widest side by which boxes of the levels are gripped [m]: the opening of their robot's hand, less 5 mm of play."""
 SUPPORTS = ("table", "rack")
 """Names of the supports that have a file, which are also their kinds."""
 

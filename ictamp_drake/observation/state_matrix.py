@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray
-from ictamp_drake.models.kinematics import forward
 from ictamp_drake.observation.situations import ABSENT, Numbers, Situations, Steps
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.matrices import flat, inverse, to_matrices, upright_frames
 
@@ -141,6 +141,7 @@ class Observer:
         self._sizes = np.array([spec.boxes[name].size for name in self._boxes])
         supports = [spec.supports[spec.support_of(name)] for name in names[len(self._boxes) :]]
         self._support_sizes = np.array([support.size for support in supports])
+        self._robot = find_robot(spec.robot)
         self._X_BW = np.linalg.inv(to_matrices(spec.arm.X_WB))
         self._X_BS = self._X_BW @ to_matrices(np.array([support.X_WT for support in supports]))
         for name, area in spec.areas.items():
@@ -170,7 +171,7 @@ class Observer:
             np.concatenate([self._X_BW @ X_WU, np.broadcast_to(self._X_BS, (count, supports, 4, 4))], axis=1),
             np.concatenate([sizes, np.broadcast_to(self._support_sizes, (count, supports, 3))], axis=1),
             np.concatenate([~upright, np.zeros((count, supports), bool)], axis=1),
-            forward(np.array([c.q[:7] for c in distinct])),
+            self._robot.forward(np.array([c.q for c in distinct])),
             np.array([ABSENT if c.held is None else self._number[c.held] for c in distinct]),
         )
         return found.select(np.array([distinct[c] for c in configurations]))

@@ -1,4 +1,4 @@
-"""All postures of the Panda with the hand at one pose, in closed form.
+"""Kinematics of the Panda in closed form: the pose of its hand, and all postures with the hand at one pose.
 
 A pose has six dimensions and the arm seven joints, so one joint is free: the last, as in He and Liu, "Analytical
 Inverse Kinematics for Franka Emika Panda" (ICCMA 2021). Its angle determines the wrist's center W, where axes 5 and 6
@@ -10,9 +10,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import DH_PARAMETERS
-from ictamp_drake.models.kinematics import X_7G, forward, link
+from ictamp_drake.models.panda import DH_PARAMETERS, FLANGE_OFFSET, GRASP_OFFSET, HAND_ANGLE
 from ictamp_drake.robots.chain import Chain, is_within
+
+
+def link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:
+    """Rotation by alpha about x, shift by a along x and d along z, rotation by angles about z: (n,) -> (n, 4, 4)."""
+    X = np.zeros((len(angle), 4, 4))
+    c, s, ca, sa = np.cos(angle), np.sin(angle), np.cos(alpha), np.sin(alpha)
+    X[:, 0, 0], X[:, 0, 1] = c, -s
+    X[:, 1, 0], X[:, 1, 1], X[:, 1, 2] = s * ca, c * ca, -sa
+    X[:, 2, 0], X[:, 2, 1], X[:, 2, 2] = s * sa, c * sa, ca
+    X[:, :, 3] = a, -d * sa, d * ca, 1.0
+    return X
+
+
+X_7G: FloatArray = link(0.0, FLANGE_OFFSET + GRASP_OFFSET, 0.0, np.array([HAND_ANGLE]))[0]
+"""Pose of G in link 7's frame, shape (4, 4)."""
+
+
+def forward(q: FloatArray) -> FloatArray:
+    """X_BG at the arm's joint positions, shape (n, 7) [rad] -> (n, 4, 4)."""
+    X_BG = np.eye(4)
+    for joint, angle in zip(DH_PARAMETERS, q.T, strict=True):
+        X_BG = X_BG @ link(*joint, angle)
+    return X_BG @ X_7G
+
 
 _P_BS: FloatArray = np.array([0.0, 0.0, DH_PARAMETERS[0].d])
 _S: FloatArray = np.array([DH_PARAMETERS[4].a, -DH_PARAMETERS[2].d])

@@ -16,7 +16,6 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.protocols import InverseKinematics
 from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import FloatArray, KinematicsKind
-from ictamp_drake.models.kinematics import forward as panda_forward
 from ictamp_drake.models.model_text import Shapes
 from ictamp_drake.robots.bodies import (
     RobotBodies,
@@ -32,9 +31,9 @@ from ictamp_drake.robots.choice import create_inverse_kinematics
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
 from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_mimics
+from ictamp_drake.robots.panda import forward as panda_forward
 from ictamp_drake.robots.panda import is_panda
 from ictamp_drake.robots.spec import DEFAULT, RobotSpec, find_file, read_robot
-
 
 _ALIGNED = 1e-6
 """Largest deviation of axes and points that count as aligned [1 or m]."""
@@ -138,13 +137,20 @@ class Robot:
         return panda_forward(q) if self._is_panda else self.chain.forward(q)
 
     @cached_property
+    def X_FG(self) -> RigidTransform:
+        """Pose of G in the frame of the flange F."""
+        bare = self._bare
+        flange = find_frame(bare.plant, bare.instances[0], self.spec.flange, "flange")
+        return bare.plant.CalcRelativeTransform(bare.plant.CreateDefaultContext(), flange, bare.grasp)
+
+    @cached_property
     def waist(self) -> float:
         """1 or -1 if the first joint turns the arm about the base's z axis, or against it; else 0."""
         return _align(self.chain.axes[0], np.array([0.0, 0.0, 1.0]))
 
     @cached_property
     def wrist(self) -> float:
-        """1 or -1 if the last joint turns the hand about G's z axis, or against it, and leaves G where it is; else 0."""
+        """1 or -1 if the last joint turns the hand about G's z axis, or against it, and does not move G; else 0."""
         offset, axis = self.chain.offsets[-1], self.chain.axes[-1]
         is_on_axis = np.abs(np.cross(offset, axis)).max() < _ALIGNED
         return _align(axis, self.chain.rotation[:, 2]) if is_on_axis else 0.0

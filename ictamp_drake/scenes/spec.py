@@ -19,7 +19,6 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.hand import MAX_SIDE
 from ictamp_drake.models.things import SUPPORTS, read_thing
 from ictamp_drake.robots.spec import DEFAULT, is_robot_file
 from ictamp_drake.scenes.regions import Area, PoseSpec, RegionSpec, check_areas
@@ -129,7 +128,6 @@ class BoxSpec:
         check_range("mass", self.mass, 0.001, 3, " kg")
         check_range("friction", self.friction, 0.05, 2)
         check_vector("color", self.color, 0, 1)
-        self._check_width()
 
     @property
     def is_tipped(self) -> bool:
@@ -140,12 +138,10 @@ class BoxSpec:
     def _upright_axis(self) -> int:
         return int(np.argmax(np.abs(_rotation(self.rotation).as_matrix()[2])))
 
-    def _check_width(self) -> None:
-        upright = self._upright_axis
-        width = min(side for axis, side in enumerate(self.size) if axis != upright)
-        if width > MAX_SIDE:
-            problem = f"expected a horizontal side of at most {MAX_SIDE} m for the gripper, got {{value}}"
-            raise IctampError(Code.TOO_WIDE, problem, field="size", value=self.size)
+    @property
+    def width(self) -> float:
+        """Shortest horizontal side [m]."""
+        return min(side for axis, side in enumerate(self.size) if axis != self._upright_axis)
 
     @property
     def X_WO(self) -> FloatArray:

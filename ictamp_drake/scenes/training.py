@@ -8,7 +8,7 @@ no problem uses.
 import numpy as np
 
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import WIDEST
 from ictamp_drake.scenes.clutter import random_boxes, random_supports
 from ictamp_drake.scenes.levels import PAPER_LEVELS
 from ictamp_drake.scenes.packing import make_problem
@@ -43,5 +43,5 @@ def training_scene(number: int, seed: int = 0) -> SceneSpec:
 def _size(rng: np.random.Generator) -> Vector:
     """Random sides of a box that the hand can grip, whichever way it lies [m]."""
     wide = rng.random() < 0.15
-    depth, height = ((MAX_SIDE, 0.095), (0.04, MAX_SIDE)) if wide else ((0.035, MAX_SIDE), (0.04, 0.13))
-    return round(rng.uniform(0.035, MAX_SIDE), 3), round(rng.uniform(*depth), 3), round(rng.uniform(*height), 3)
+    depth, height = ((WIDEST, 0.095), (0.04, WIDEST)) if wide else ((0.035, WIDEST), (0.04, 0.13))
+    return round(rng.uniform(0.035, WIDEST), 3), round(rng.uniform(*depth), 3), round(rng.uniform(*height), 3)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ictamp_drake.core.seeding import Stream, generator
-from ictamp_drake.models.hand import MAX_SIDE
+from ictamp_drake.models.things import WIDEST
 from ictamp_drake.scenes.clutter import random_boxes, random_supports
 from ictamp_drake.scenes.levels import goal_of
 from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec, Vector
@@ -62,7 +62,7 @@ def make_varied(number: int, seed: int, stream: Stream) -> SceneSpec:
 def _size(rng: np.random.Generator) -> Vector:
     """Random sides of a box that the hand can grip, whichever way it lies [m]."""
     width, depth, height = (round(rng.uniform(0.03, most), 3) for most in (0.07, 0.09, 0.14))
-    return width, depth, height if depth <= MAX_SIDE else min(height, MAX_SIDE)
+    return width, depth, height if depth <= WIDEST else min(height, WIDEST)
 
 
 def _is_near_hand(box: BoxSpec) -> bool:

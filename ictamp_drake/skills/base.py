@@ -17,6 +17,7 @@ def hold(
     q: FloatArray,
     before: GripperCommand,
     after: GripperCommand,
+    *,
     touches: Collection[str],
 ) -> Segment:
     """Stand still at q, shape (n,) [rad], while the gripper goes from one command to the next."""

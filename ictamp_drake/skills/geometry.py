@@ -74,12 +74,12 @@ def hand_poses(world: World, c: Configuration, action: Action, k: FloatArray, X_
     """`grasp_pose` or `placement_pose` of many parameters, (n, 4) -> (n, 4, 4), with the hand of c at X_WG."""
     box, place = action.args
     if action.name == "pick":
-        X_WG: FloatArray = world.upright_frame(c, box).X_WU.GetAsMatrix4() @ grasps(k)
+        grasped: FloatArray = world.upright_frame(c, box).X_WU.GetAsMatrix4() @ grasps(k)
         gripper = world.robot.gripper
         if gripper.shares is None:
             rises = np.array([gripper.rise(grip_width(world, c, box, yaw)) for yaw in k[:, 3]])
-            X_WG[:, :3, 3] -= X_WG[:, :3, 2] * rises[:, None]
-        return X_WG
+            grasped[:, :3, 3] -= grasped[:, :3, 2] * rises[:, None]
+        return grasped
     X_GB = held_bottom(world, c, box, X_WG)
     return world.X_WT(c, place).GetAsMatrix4() @ level(k) @ X_GB.inverse().GetAsMatrix4()
 

@@ -209,11 +209,7 @@ class PlacementGrid:
         yaw = pose.yaw + pose.variant[1] * np.pi / 2
         X_TU = level_pose(np.array([*self._middle(pose), self._size[2] / 2, yaw]))
         X_WO = to_pose(self.X_WF @ X_TU @ self._X_UO)
-        return [
-            imagine(
-                self._gripper, self.c, q=q, width=self._width(pose), held=self._box, moved={self._box: X_WO}
-            )
-        ]
+        return [imagine(self._gripper, self.c, q=q, width=self._width(pose), held=self._box, moved={self._box: X_WO})]
 
     def _width(self, pose: GridPose) -> float:
         return float(self._size[1 - int(pose.variant[1])])

@@ -229,7 +229,9 @@ class _HandProgram:
     def solve(self, solver: SnoptSolver, rng: np.random.Generator) -> FloatArray | None:
         """Joint positions from a random start, shape (n,) [rad], or None when none are found."""
         spread = self._config.spread
-        start = np.clip(self._comfort + rng.uniform(-spread, spread, len(self._comfort)), self._arm.lower, self._arm.upper)
+        start = np.clip(
+            self._comfort + rng.uniform(-spread, spread, len(self._comfort)), self._arm.lower, self._arm.upper
+        )
         result = solver.Solve(self._ik.prog(), start)
         q = np.asarray(result.get_x_val())
         return q if result.is_success() and self._clear(q) else None

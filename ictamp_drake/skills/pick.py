@@ -62,7 +62,7 @@ class Pick:
         return (
             *approach,
             back.reversed().segment("lower", opening, ()),
-            hold(self._gripper, "grasp", q_grasp, opening, grasp, {box}),
+            hold(self._gripper, "grasp", q_grasp, opening, grasp, touches={box}),
             lifting[0].segment("lift", grasp, {box}),
         )
 
@@ -111,7 +111,7 @@ class Pick:
             return way
         approach = way.trajectory.segment("approach", opening, ())
         if first or approach.duration < gripper_time(c.gripper, opening, self._gripper.speed):
-            return hold(self._gripper, "adjust", c.commanded, c.gripper, opening, ()), approach
+            return hold(self._gripper, "adjust", c.commanded, c.gripper, opening, touches=()), approach
         return (approach,)
 
     def promise(self, c: Configuration, action: Action, k: Parameter, motion: Motion) -> Configuration:

@@ -54,7 +54,7 @@ class Place:
         return (
             transfer.segment("transfer", c.gripper, {box}),
             lower.segment("lower", c.gripper, {box, support}),
-            hold(self._gripper, "release", q_place, c.gripper, opening, {box, support}),
+            hold(self._gripper, "release", q_place, c.gripper, opening, touches={box, support}),
             retreat.segment("retreat", opening, ()),
         )
 

@@ -89,4 +89,4 @@ def write_replay(plan: Plan, path: Path, physics: Physics | None = None, stage: 
 
 def _configuration_to_dict(c: Configuration) -> dict[str, Any]:
     poses = {name: pose.tolist() for name, pose in c.poses.items()}
-    return {"q": c.q.tolist(), "poses": poses, "held": c.held}
+    return {"q": [*c.q.tolist(), *c.fingers.tolist()], "poses": poses, "held": c.held}

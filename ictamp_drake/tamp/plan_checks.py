@@ -10,8 +10,7 @@ import numpy as np
 from ictamp_drake.core.checks import POSITIVE, check_choice, check_count, check_range, check_vector
 from ictamp_drake.core.errors import Code, IctampError, join_fields, show
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment, State
-from ictamp_drake.models.constants import ARM_LIMITS, FINGER_JOINTS, MAX_GRIP_FORCE
-from ictamp_drake.models.hand import MAX_OPENING
+from ictamp_drake.robots.robot import Robot, find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.tamp.symbols import kinds_of
@@ -38,11 +37,6 @@ MAX_SPEED = 10.0
 NUMBER_TOLERANCE = 1e-6
 """Largest difference of a number from what follows from the rest of the file."""
 
-_LOWER = np.array([limits.lower for limits in ARM_LIMITS]) - JOINT_TOLERANCE
-_UPPER = np.array([limits.upper for limits in ARM_LIMITS]) + JOINT_TOLERANCE
-_VELOCITY = np.array([limits.velocity for limits in ARM_LIMITS])
-_ACCELERATION = np.array([limits.acceleration for limits in ARM_LIMITS])
-
 
 @contextmanager
 def within(field: str) -> Iterator[None]:
@@ -56,8 +50,12 @@ def within(field: str) -> Iterator[None]:
 
 def check_configuration(c: Configuration, spec: SceneSpec) -> None:
     """Raise IctampError unless arm, hand and boxes are somewhere where they can be."""
-    _check_joints("q", c.q[:7])
-    check_vector("q", c.q[7:].tolist(), -FINGER_TOLERANCE, MAX_OPENING / 2 + FINGER_TOLERANCE, " m", count=2)
+    robot = find_robot(spec.robot)
+    _check_joints("q", c.q, robot)
+    places, tolerance = robot.gripper.places, FINGER_TOLERANCE * (1 if robot.gripper.shares is not None else 10)
+    if not ((c.fingers >= places.min(axis=0) - tolerance) & (c.fingers <= places.max(axis=0) + tolerance)).all():
+        problem = "expected positions of the fingers within their limits, got {value}"
+        raise IctampError(Code.OUT_OF_RANGE, problem, field="q", value=c.fingers.tolist())
     for name in [name for name in c.poses if name not in spec.boxes]:
         check_choice(f"poses.{name}", name, spec.boxes)
     for name in spec.boxes:
@@ -71,25 +69,26 @@ def check_configuration(c: Configuration, spec: SceneSpec) -> None:
     if c.held is not None:
         check_choice("held", c.held, spec.boxes)
     with within("gripper"):
-        check_command(c.gripper)
+        check_command(c.gripper, robot)
 
 
 def check_start(c: Configuration, spec: SceneSpec) -> None:
     """Raise IctampError unless execution can start from c."""
     check_configuration(c, spec)
-    _check_joints("commanded", c.commanded)
-    if np.abs(c.commanded - c.q[:7]).max() > MAX_LAG:
+    _check_joints("commanded", c.commanded, find_robot(spec.robot))
+    if np.abs(c.commanded - c.q).max() > MAX_LAG:
         problem = f"expected positions within {MAX_LAG} rad of q, got {{value}}"
         raise IctampError(Code.CONFLICT, problem, field="commanded", value=c.commanded.tolist())
     if c.x is None:
         return
-    joints, boxes = len(ARM_LIMITS) + len(FINGER_JOINTS), len(spec.boxes)
+    arm, boxes = len(c.q), len(spec.boxes)
+    joints = arm + len(c.fingers)
     _check_length("x", c.x, 2 * joints + 13 * boxes)
     check_vector("x", c.x.tolist(), -100, 100, count=None)
     check_vector("x", c.x[joints + 7 * boxes :].tolist(), -MAX_SPEED, MAX_SPEED, count=None)
     poses = [c.x[joints + 7 * number :][:7] for number in range(boxes)]
     found = {name: _normalized(pose) for name, pose in zip(sorted(spec.boxes), poses, strict=True)}
-    if Configuration(c.x[:joints], found) != Configuration(c.q, c.poses):
+    if Configuration(c.x[:arm], c.x[arm:joints], found) != Configuration(c.q, c.fingers, c.poses):
         problem = "expected the positions of q and poses, exactly as they are there"
         raise IctampError(Code.CONFLICT, problem, field="x")
 
@@ -99,22 +98,22 @@ def _normalized(pose: FloatArray) -> FloatArray:
         return np.concatenate([pose[:4] / np.linalg.norm(pose[:4]), pose[4:]])
 
 
-def check_command(command: GripperCommand) -> None:
+def check_command(command: GripperCommand, robot: Robot) -> None:
     """Raise IctampError unless the hand can obey the command."""
-    check_range("width", command.width, 0, MAX_OPENING, " m")
-    check_range("force", command.force, 0, MAX_GRIP_FORCE, " N")
+    check_range("width", command.width, 0, robot.gripper.opening, " m")
+    check_range("force", command.force, 0, robot.gripper.force, " N")
 
 
 def check_segment(segment: Segment, spec: SceneSpec) -> None:
     """Raise IctampError unless the arm can follow the segment, from rest to rest."""
-    points, order, knots = segment.control_points, segment.order, segment.knots
+    points, order, knots, robot = segment.control_points, segment.order, segment.knots, find_robot(spec.robot)
     check_range("duration", segment.duration, POSITIVE, MAX_DURATION, " s")
     with within("gripper"):
-        check_command(segment.gripper)
+        check_command(segment.gripper, robot)
     if not len(points):
         raise IctampError(Code.EMPTY, "expected at least one", field="control_points")
     for number, q in enumerate(points):
-        _check_joints(f"control_points[{number}]", q)
+        _check_joints(f"control_points[{number}]", q, robot)
     moves = len(points) > 1
     check_range("order", order, 4 if moves else 1, MAX_ORDER if moves else 1)
     if order > len(points):
@@ -127,7 +126,7 @@ def check_segment(segment: Segment, spec: SceneSpec) -> None:
         problem = f"expected ascending times, {order} times 0 first and {order} times the duration last, got {{value}}"
         raise IctampError(Code.CONFLICT, problem, field="knots", value=knots.tolist())
     if moves:
-        _check_speeds(points, knots, order)
+        _check_speeds(points, knots, order, robot)
     for number, name in enumerate(sorted(segment.touches or ())):
         check_choice(f"touches[{number}]", name, [*spec.boxes, *spec.supports])
 
@@ -138,18 +137,22 @@ def _check_length(field: str, values: FloatArray, length: int) -> None:
         raise IctampError(Code.WRONG_LENGTH, problem, field=field, value=values.tolist())
 
 
-def _check_joints(field: str, q: FloatArray) -> None:
-    if not ((q >= _LOWER) & (q <= _UPPER)).all():
+def _check_joints(field: str, q: FloatArray, robot: Robot) -> None:
+    _check_length(field, q, len(robot.joints))
+    if not ((q >= robot.lower - JOINT_TOLERANCE) & (q <= robot.upper + JOINT_TOLERANCE)).all():
         problem = "expected positions within the joint limits, got {value}"
         raise IctampError(Code.OUT_OF_RANGE, problem, field=field, value=q.tolist())
 
 
-def _check_speeds(points: FloatArray, knots: FloatArray, order: int) -> None:
+def _check_speeds(points: FloatArray, knots: FloatArray, order: int, robot: Robot) -> None:
     speeds = _derive(points, knots, order)
     if not (np.abs(speeds[[0, -1]]) <= END_SPEED).all():
         raise IctampError(Code.CONFLICT, "expected the arm at rest at both ends", field="control_points")
     accelerations = _derive(speeds, knots[1:-1], order - 1)
-    for values, limits, what in ((speeds, _VELOCITY, "velocity"), (accelerations, _ACCELERATION, "acceleration")):
+    for values, limits, what in (
+        (speeds, robot.velocity, "velocity"),
+        (accelerations, robot.acceleration, "acceleration"),
+    ):
         if not (np.abs(values) <= limits).all():
             problem = f"expected a motion within the {what} limits of the joints"
             raise IctampError(Code.OUT_OF_RANGE, problem, field="control_points")

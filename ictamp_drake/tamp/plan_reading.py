@@ -12,7 +12,7 @@ from ictamp_drake.core.decoding import decode, mapping
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
-from ictamp_drake.models.hand import MAX_OPENING
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.plan_checks import (
     check_action,
@@ -35,8 +35,7 @@ FORMATS = (1, 2, FORMAT)
 """Formats that are read. Format 1 lacks `commanded`, `x` and `touches`, and formats 1 and 2 what surrounds the motion:
 robot, bodies, and what is expected after each step."""
 
-_Seven = tuple[float, float, float, float, float, float, float]
-"""Joint positions of the arm, or a pose."""
+_Pose = tuple[float, float, float, float, float, float, float]
 
 
 class Parts(NamedTuple):
@@ -72,7 +71,7 @@ def _check_parts(found: "_File") -> Parts:
     with within("scene"):
         goal_of(spec)
     with within("initial"):
-        c = found.initial.configuration()
+        c = found.initial.configuration(spec)
         check_start(c, spec)
     attempts = []
     for number, step in enumerate(found.steps):
@@ -107,34 +106,38 @@ class _Moment:
     """A configuration in the file; what follows from the other fields is compared with them later."""
 
     q: tuple[float, ...]
-    poses: dict[str, _Seven]
+    poses: dict[str, _Pose]
     held: str | None = None
     width: Any = None
     load: Any = None
     poses_in_base: Any = None
     atoms: Any = None
 
-    def __post_init__(self) -> None:
-        if len(self.q) != 9:
-            raise IctampError(Code.WRONG_LENGTH, "expected nine numbers, got {value}", field="q", value=self.q)
-
-    def arrays(self) -> tuple[FloatArray, dict[str, FloatArray]]:
-        return np.array(self.q), {name: np.array(pose) for name, pose in self.poses.items()}
+    def arrays(self, spec: SceneSpec) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
+        """Return positions of the arm and of the fingers, and poses of the boxes."""
+        robot = find_robot(spec.robot)
+        count = len(robot.joints) + len(robot.gripper.joints)
+        if len(self.q) != count:
+            raise IctampError(Code.WRONG_LENGTH, f"expected {count} numbers, got {{value}}", field="q", value=self.q)
+        q, fingers = np.split(np.array(self.q), [len(robot.joints)])
+        return q, fingers, {name: np.array(pose) for name, pose in self.poses.items()}
 
 
 @dataclass(frozen=True)
 class _Start(_Moment):
     """Entry `initial` of the file."""
 
-    commanded: _Seven | None = None
+    commanded: tuple[float, ...] | None = None
     x: tuple[float, ...] | None = None
-    gripper: GripperCommand = GripperCommand(MAX_OPENING)  # plans of earlier versions start with an open hand
+    gripper: GripperCommand | None = None
 
-    def configuration(self) -> Configuration:
-        q, poses = self.arrays()
+    def configuration(self, spec: SceneSpec) -> Configuration:
+        """Return the configuration; plans of earlier versions start with an open hand."""
+        q, fingers, poses = self.arrays(spec)
+        gripper = self.gripper or GripperCommand(find_robot(spec.robot).gripper.opening)
         commanded = None if self.commanded is None else np.array(self.commanded)
         x = None if self.x is None else np.array(self.x)
-        return Configuration(q, poses, self.held, self.gripper, commanded, x)  # type: ignore[arg-type]
+        return Configuration(q, fingers, poses, self.held, gripper, commanded, x)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -147,10 +150,13 @@ class _Segment:
     gripper: GripperCommand
     order: int
     knots: tuple[float, ...]
-    control_points: tuple[_Seven, ...]
+    control_points: tuple[tuple[float, ...], ...]
     touches: tuple[str, ...] | None = None
 
     def segment(self) -> Segment:
+        if len(set(map(len, self.control_points))) > 1:
+            problem = "expected points of the same length, got {value}"
+            raise IctampError(Code.WRONG_LENGTH, problem, field="control_points", value=self.control_points)
         return Segment(
             label=self.label,
             duration=self.duration,
@@ -179,17 +185,19 @@ class _Step:
         check_vector("k", self.k, -100, 100, count=None)
         if not self.segments:
             raise IctampError(Code.EMPTY, "expected at least one", field="segments")
-        motion = tuple(each.segment() for each in self.segments)
-        for number, segment in enumerate(motion):
+        motion = []
+        for number, each in enumerate(self.segments):
             with within(f"segments[{number}]"):
-                check_segment(segment, spec)
-        return Attempt(action, None, self._end(motion[-1], spec), np.array(self.k), motion)
+                motion.append(each.segment())
+                check_segment(motion[-1], spec)
+        return Attempt(action, None, self._end(motion[-1], spec), np.array(self.k), tuple(motion))
 
     def _end(self, last: Segment, spec: SceneSpec) -> Configuration | None:
         if self.expected is None:
             return None
-        q, poses = self.expected.arrays()
-        c = Configuration(q, poses, self.expected.held, last.gripper, last.control_points[-1])
+        with within("expected"):
+            q, fingers, poses = self.expected.arrays(spec)
+        c = Configuration(q, fingers, poses, self.expected.held, last.gripper, last.control_points[-1])
         with within("expected"):
             check_configuration(c, spec)
         return c

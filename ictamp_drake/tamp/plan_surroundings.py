@@ -6,25 +6,17 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 
 from ictamp_drake.core.types import Configuration, GripperCommand, State
-from ictamp_drake.models import hand
-from ictamp_drake.models.constants import (
-    ARM_JOINTS,
-    ARM_LIMITS,
-    FINGER_JOINTS,
-    MAX_FINGER_SPEED,
-    MAX_GRIP_FORCE,
-)
 from ictamp_drake.models.contact import BODY, PAD, SUPPORT
-from ictamp_drake.models.kinematics import forward
 from ictamp_drake.models.sdf_text import Shape
 from ictamp_drake.models.shapes import support_shapes
+from ictamp_drake.robots.gripper import Gripper
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp.plan_origin import Timing
 from ictamp_drake.world.commands import FORCE_RAMP
 from ictamp_drake.world.poses import to_pose, to_transform
 
-X_FG = RigidTransform(RollPitchYaw(0.0, 0.0, hand.HAND_ANGLE), [0.0, 0.0, hand.GRASP_OFFSET])
-"""Pose of the grasp frame G in the flange's frame F."""
+_LIMITS = ("lower", "upper", "velocity", "acceleration", "jerk", "effort")
 
 UNITS = {
     "length": "m",
@@ -39,34 +31,48 @@ UNITS = {
 
 def describe_robot(spec: SceneSpec, timing: Timing | None) -> dict[str, Any]:
     """Return names, limits and place of the arm, and geometry and limits of its hand."""
-    joints = []
-    for name, limits in zip(ARM_JOINTS, ARM_LIMITS, strict=True):
+    robot = find_robot(spec.robot)
+    gripper, joints = robot.gripper, []
+    for number, name in enumerate(robot.joints):
+        limits = {key: float(getattr(robot, key)[number]) for key in _LIMITS}
         fractions = {} if timing is None else vars(timing)
-        used = {key: fraction * getattr(limits, key) for key, fraction in fractions.items()}
-        joints.append({"name": name, **limits._asdict(), "timed_for": used or None})
+        used = {key: fraction * limits[key] for key, fraction in fractions.items()}
+        joints.append({"name": name, **limits, "timed_for": used or None})
     return {
-        "name": "Franka Emika Panda",
+        "name": robot.spec.description or robot.name,
         "base": spec.arm.X_WB.tolist(),
         "joints": joints,
-        "flange": "panda_link8",
+        "flange": robot.spec.flange,
         "gripper": {
-            "name": "Franka Hand",
-            "type": "parallel",
-            "joints": list(FINGER_JOINTS),
-            "max_width": hand.MAX_OPENING,
-            "max_force": MAX_GRIP_FORCE,
-            "finger_speed": MAX_FINGER_SPEED,
+            "name": gripper.spec.description,
+            "type": "parallel" if gripper.shares is not None else "linkage",
+            "joints": list(gripper.joints),
+            "max_width": gripper.opening,
+            "max_force": gripper.force,
+            "finger_speed": gripper.speed,
             "force_ramp": FORCE_RAMP,
-            "grasp_frame": to_pose(X_FG).tolist(),
-            "pads": [_describe_pad(joint, side) for joint, side in zip(FINGER_JOINTS, (1.0, -1.0), strict=True)],
+            "grasp_frame": to_pose(robot.X_FG).tolist(),
+            "pads": [_describe_pad(gripper, finger) for finger in (0, 1)],
+            **({} if gripper.shares is not None else {"travel": _describe_travel(gripper)}),
         },
     }
 
 
-def _describe_pad(joint: str, side: float) -> dict[str, Any]:
-    size = (2 * hand.PAD_HALF_WIDTH, hand.PAD_THICKNESS, 2 * hand.PAD_HALF_HEIGHT)
-    shape = Shape("pad", "box", size, (0.0, side * hand.PAD_THICKNESS / 2, 0.0))
-    return {"joint": joint, "opens_along": [0.0, side, 0.0], "shapes": [_describe_shape(shape)]}
+def _describe_pad(gripper: Gripper, finger: int) -> dict[str, Any]:
+    side, driven = (1.0, -1.0)[finger], gripper.driven[min(finger, len(gripper.driven) - 1)]
+    x, y, z = gripper.spec.pads.size
+    shape = Shape("pad", "box", (x, y, z), (0.0, side * y / 2, gripper.rise(0.0)))
+    return {"joint": gripper.joints[driven], "opens_along": [0.0, side, 0.0], "shapes": [_describe_shape(shape)]}
+
+
+def _describe_travel(gripper: Gripper) -> dict[str, Any]:
+    """Return positions of the joints, and of the pads along G's z axis, at some widths."""
+    widths = np.linspace(0.0, gripper.opening, 11)
+    return {
+        "widths": widths.tolist(),
+        "positions": [gripper.positions(width).tolist() for width in widths],
+        "rises": [gripper.rise(width) for width in widths],
+    }
 
 
 def describe_contact() -> dict[str, Any]:
@@ -104,8 +110,8 @@ def describe_configuration(spec: SceneSpec, c: Configuration, atoms: State) -> d
     """Return positions of joints and bodies, the hand's width, what it holds, and the atoms that hold."""
     X_BW = to_transform(spec.arm.X_WB).inverse()
     return {
-        "q": c.q.tolist(),
-        "width": float(c.q[7:].sum()),
+        "q": [*c.q.tolist(), *c.fingers.tolist()],
+        "width": find_robot(spec.robot).gripper.width(c.fingers),
         "held": c.held,
         "load": _describe_load(spec, c),
         "poses": {name: pose.tolist() for name, pose in c.poses.items()},
@@ -119,7 +125,8 @@ def _describe_load(spec: SceneSpec, c: Configuration) -> dict[str, Any] | None:
     if c.held is None:
         return None
     box = spec.boxes[c.held]
-    X_WF = to_transform(spec.arm.X_WB) @ RigidTransform(forward(c.q[None, :7])[0]) @ X_FG.inverse()
+    robot = find_robot(spec.robot)
+    X_WF = to_transform(spec.arm.X_WB) @ RigidTransform(robot.forward(c.q[None])[0]) @ robot.X_FG.inverse()
     X_FO = X_WF.inverse() @ to_transform(c.poses[c.held])
     return {"body": c.held, "mass": box.mass, "extent": list(box.size), "pose_in_flange": to_pose(X_FO).tolist()}
 

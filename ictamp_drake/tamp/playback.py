@@ -7,6 +7,7 @@ import numpy as np
 from pydrake.common.value import Value
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.tamp.expected import expected_states
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.world.commands import arm_trajectory, gripper_schedule
@@ -17,10 +18,10 @@ class PlanSystem(LeafSystem):
     """A source without inputs and state, whose outputs depend on the time of the context alone.
 
     Output ports:
-        desired_state: Positions of the 7 arm joints [rad], then their velocities [rad/s], shape (14,). The arm stands
-            still after the end of the plan.
+        desired_state: Positions of the arm's joints [rad], then their velocities [rad/s], shape (2 joints,). The arm
+            stands still after the end of the plan.
         gripper_command: Distance between the finger pads to move to [m] and grip force of each finger beyond it [N],
-            shape (2,). A command is in force until the next; the hand moves each finger at 0.05 m/s.
+            shape (2,). A command is in force until the next; the hand moves each finger at its speed.
         expected_atoms: Atoms of H that should hold since the end of the last step that is over, a frozenset of `Atom`.
     """
 
@@ -32,20 +33,21 @@ class PlanSystem(LeafSystem):
         """
         LeafSystem.__init__(self)
         segments = [segment for attempt in plan.attempts for segment in attempt.motion]
+        speed, joints = find_robot(plan.spec.robot).gripper.speed, len(plan.c.q)
         self._end = plan.duration
         self._start = plan.c.commanded
         self._trajectory = arm_trajectory(segments) if segments else None
-        self._starts, self._commands = zip(*gripper_schedule(plan.c.gripper, segments), strict=True)
+        self._starts, self._commands = zip(*gripper_schedule(plan.c.gripper, segments, speed), strict=True)
         self._ends = list(accumulate(attempt.duration for attempt in plan.attempts))
         self._states = expected_states(World(plan.spec), plan.c, plan.actions)
         time = {self.time_ticket()}
-        self.DeclareVectorOutputPort("desired_state", 14, self._set_desired_state, time)
+        self.DeclareVectorOutputPort("desired_state", 2 * joints, self._set_desired_state, time)
         self.DeclareVectorOutputPort("gripper_command", 2, self._set_gripper_command, time)
         self.DeclareAbstractOutputPort("expected_atoms", lambda: Value(self._states[0]), self._set_expected_atoms, time)
 
     def _set_desired_state(self, context: Context, output: BasicVector) -> None:
         time = context.get_time()
-        q, v = self._start, np.zeros(7)
+        q, v = self._start, np.zeros(len(self._start))
         if self._trajectory is not None:
             within = min(max(time, 0.0), self._trajectory.end_time())
             q = self._trajectory.value(within)[:, 0]

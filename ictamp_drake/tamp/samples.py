@@ -12,12 +12,11 @@ import numpy as np
 import yaml
 
 from ictamp_drake.core.types import FloatArray, GripperCommand
-from ictamp_drake.models.constants import ARM_JOINTS
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.world.commands import arm_trajectory
 
 ROS_HEADER = """\
-# Joint trajectories of a plan for the Franka Emika Panda, for ROS 2. Radians, seconds, meters, newtons.
+# Joint trajectories of a plan, for ROS 2. Radians, seconds, meters, newtons.
 #
 # To be done in this order, each when the one before is done. Times without "from_start" are from the start of the plan.
 #   gripper           goal of the hand: width between the finger pads, force of each finger (0: move and do not grip)
@@ -36,9 +35,9 @@ class Part:
         start: Time from the start of the plan [s].
         gripper: Command to the hand, given at the start of the part.
         times: Times of the samples from the start of the part, ascending from 0 to its duration [s], shape (n,).
-        q: Joint positions [rad], shape (n, 7).
-        v: Joint velocities [rad/s], shape (n, 7).
-        a: Joint accelerations [rad/s^2], shape (n, 7).
+        q: Joint positions [rad], shape (n, joints).
+        v: Joint velocities [rad/s], shape (n, joints).
+        a: Joint accelerations [rad/s^2], shape (n, joints).
     """
 
     start: float
@@ -69,10 +68,13 @@ def sample(plan: Plan, rate: float) -> list[Part]:
     return parts
 
 
-def joints_csv(parts: Sequence[Part]) -> str:
-    """Return a table of all samples. Where one part ends and the next begins, the same time comes twice."""
+def joints_csv(parts: Sequence[Part], joints: Sequence[str]) -> str:
+    """Return a table of all samples, with the names of the joints.
+
+    Where one part ends and the next begins, the same time comes twice.
+    """
     quantities = ("", "_velocity", "_acceleration")
-    heading = ["part", "time", *(f"{joint}{quantity}" for quantity in quantities for joint in ARM_JOINTS)]
+    heading = ["part", "time", *(f"{joint}{quantity}" for quantity in quantities for joint in joints)]
     return _csv(heading, _rows(parts))
 
 
@@ -88,12 +90,12 @@ def gripper_csv(parts: Sequence[Part]) -> str:
     return _csv(["part", "time", "width", "force"], rows)
 
 
-def ros_yaml(parts: Sequence[Part]) -> str:
-    """Return goals of the hand and `trajectory_msgs/JointTrajectory` messages, alternately, as YAML."""
+def ros_yaml(parts: Sequence[Part], joints: Sequence[str]) -> str:
+    """Return goals of the hand and `trajectory_msgs/JointTrajectory` messages of the joints, alternately, as YAML."""
     entries: list[dict[str, Any]] = []
     for part in parts:
         time = round(part.start, _DIGITS)
-        entries += [{"time": time, "gripper": _goal(part)}, {"time": time, "joint_trajectory": _message(part)}]
+        entries += [{"time": time, "gripper": _goal(part)}, {"time": time, "joint_trajectory": _message(part, joints)}]
     text = yaml.dump(entries, Dumper=yaml.CSafeDumper, sort_keys=False, default_flow_style=None, width=1000)
     return ROS_HEADER + str(text)
 
@@ -102,14 +104,14 @@ def _goal(part: Part) -> dict[str, float]:
     return {"width": float(part.gripper.width), "force": float(part.gripper.force)}
 
 
-def _message(part: Part) -> dict[str, Any]:
+def _message(part: Part, joints: Sequence[str]) -> dict[str, Any]:
     samples = zip(part.times, *(each.round(_DIGITS).tolist() for each in (part.q, part.v, part.a)), strict=True)
     points = [
         {"positions": q, "velocities": v, "accelerations": a, "effort": [], "time_from_start": _duration(time)}
         for time, q, v, a in samples
     ]
     header = {"stamp": _duration(0.0), "frame_id": ""}
-    return {"header": header, "joint_names": list(ARM_JOINTS), "points": points}
+    return {"header": header, "joint_names": list(joints), "points": points}
 
 
 def _duration(seconds: float) -> dict[str, int]:

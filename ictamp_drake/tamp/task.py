@@ -7,7 +7,8 @@ from time import perf_counter, process_time
 
 from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import Configuration, State
-from ictamp_drake.models.grip import check_weight
+from ictamp_drake.robots.grip import check_weight
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.symbolic.domain import Domain
@@ -98,4 +99,5 @@ def check_weights(spec: SceneSpec, boxes: Iterable[str], method: Method) -> None
     if isinstance(method.skills.pick, PickConfig):
         for name in sorted(boxes):
             box = spec.boxes[name]
-            check_weight(box.mass, box.friction, f"boxes.{name}", method.skills.pick.safety)
+            gripper = find_robot(spec.robot).gripper
+            check_weight(box.mass, box.friction, gripper, f"boxes.{name}", method.skills.pick.safety)

@@ -128,8 +128,7 @@ class Stage:
         self._context = self._diagram.CreateDefaultContext()
         self._plant = self._diagram.plant()
         self._plant_context = self._plant.GetMyMutableContextFromRoot(self._context)
-        instances = [self._bodies.arm, *(body.model_instance() for body in self._bodies.boxes.values())]
-        bodies = [self._plant.get_body(i) for instance in instances for i in self._plant.GetBodyIndices(instance)]
+        bodies = [*self._bodies.robot.links, *self._bodies.boxes.values()]
         self._moving = {f"{PREFIX}/{body.scoped_name()}".replace("::", "/"): body for body in bodies}
 
     @property
@@ -157,6 +156,4 @@ class Stage:
         return query
 
     def _set(self, c: Configuration) -> None:
-        self._plant.SetPositions(self._plant_context, self._bodies.arm, c.q)
-        for name, body in self._bodies.boxes.items():
-            self._plant.SetPositions(self._plant_context, body.model_instance(), c.poses[name])
+        self._plant.SetPositions(self._plant_context, self._bodies.positions(c))

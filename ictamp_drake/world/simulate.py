@@ -256,7 +256,9 @@ class Physics:
         """Return the positions of arm and boxes in a state of the scene, by default the current one."""
         x = self._scene.x if x is None else x
         return Configuration(
-            x[self._q], x[self._fingers], {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()}
+            x[self._q],
+            x[self._fingers],
+            {name: normalize_quaternion(x[places]) for name, places in self._boxes.items()},
         )
 
 

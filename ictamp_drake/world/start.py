@@ -29,6 +29,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
             box of `start.held` or cannot hold it, or the scene is not at rest.
     """
     _check_joints(world)
+    _check_widths(world)
     c, held = world.initial_configuration(), world.spec.start.held
     check_overlaps(world, c, "boxes")
     state = abstraction(c)
@@ -59,6 +60,14 @@ def _check_joints(world: World) -> None:
         raise IctampError(Code.WRONG_LENGTH, problem, field="start.joints", value=joints)
     for number, (position, lower, upper) in enumerate(zip(joints, robot.lower, robot.upper, strict=False)):
         check_range(f"start.joints[{number}]", position, lower, upper, " rad")
+
+
+def _check_widths(world: World) -> None:
+    widest = world.robot.gripper.max_side
+    for name, box in world.spec.boxes.items():
+        if box.width > widest:
+            problem = f"expected a horizontal side of at most {widest:g} m for the gripper, got {{value}}"
+            raise IctampError(Code.TOO_WIDE, problem, field=f"boxes.{name}.size", value=box.size)
 
 
 def find_overlaps(world: World, c: Configuration) -> list[Touch]:

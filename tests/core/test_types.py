@@ -16,7 +16,8 @@ POSES = st.dictionaries(st.sampled_from(["red", "blue", "tall"]), arrays(float, 
 COMMANDS = st.builds(GripperCommand, st.floats(0, 0.08), st.floats(0, 70))
 CONFIGURATIONS = st.builds(
     Configuration,
-    arrays(float, 9, elements=NUMBERS),
+    arrays(float, 7, elements=NUMBERS),
+    arrays(float, 2, elements=NUMBERS),
     POSES,
     st.none() | st.sampled_from(["red", "blue"]),
     COMMANDS,
@@ -29,11 +30,11 @@ def copy_apart(c: Configuration) -> Configuration:
     """Copy of c with its own arrays and with its poses in a different order."""
     poses = {name: c.poses[name].copy() for name in reversed(list(c.poses))}
     state = None if c.x is None else c.x.copy()
-    return Configuration(c.q.copy(), poses, c.held, c.gripper, c.commanded.copy(), state)
+    return Configuration(c.q.copy(), c.fingers.copy(), poses, c.held, c.gripper, c.commanded.copy(), state)
 
 
 def arrays_of(c: Configuration) -> list[FloatArray]:
-    return [c.q, c.commanded, *c.poses.values(), *([] if c.x is None else [c.x])]
+    return [c.q, c.fingers, c.commanded, *c.poses.values(), *([] if c.x is None else [c.x])]
 
 
 @given(CONFIGURATIONS)
@@ -56,6 +57,7 @@ def test_pickling_keeps_every_bit_and_the_protection(c: Configuration) -> None:
 def test_a_part_that_differs_in_one_bit_makes_another_configuration(c: Configuration, part: str) -> None:
     changed = {
         "q": np.nextafter(c.q, 20.0),
+        "fingers": np.nextafter(c.fingers, 20.0),
         "poses": {**c.poses, "green": np.zeros(7)},
         "held": "another_box",
         "gripper": GripperCommand(c.gripper.width, c.gripper.force + 1.0),
@@ -66,7 +68,7 @@ def test_a_part_that_differs_in_one_bit_makes_another_configuration(c: Configura
 
 
 def test_states_differ_by_one_bit() -> None:
-    c = Configuration(np.zeros(9), {}, x=np.zeros(4))
+    c = Configuration(np.zeros(7), np.zeros(2), {}, x=np.zeros(4))
     assert replace(c, x=np.array([0.0, 0.0, 0.0, 5e-324])) != c
     assert replace(c, x=np.zeros(4)) == c
 
@@ -82,15 +84,15 @@ def test_nothing_in_it_can_be_changed(c: Configuration) -> None:
 
 
 def test_it_keeps_no_hold_on_what_it_was_made_of() -> None:
-    q, pose, commanded, x = np.zeros(9), np.zeros(7), np.zeros(7), np.zeros(20)
-    c = Configuration(q, {"red": pose}, commanded=commanded, x=x)
-    for array in (q, pose, commanded, x):
+    q, fingers, pose, commanded, x = np.zeros(7), np.zeros(2), np.zeros(7), np.zeros(7), np.zeros(20)
+    c = Configuration(q, fingers, {"red": pose}, commanded=commanded, x=x)
+    for array in (q, fingers, pose, commanded, x):
         array.fill(1.0)
     assert not any(array.any() for array in arrays_of(c))
 
 
-@given(arrays(float, 9, elements=NUMBERS))
+@given(arrays(float, st.integers(0, 9), elements=NUMBERS))
 def test_the_arm_is_where_it_was_commanded_unless_said_otherwise(q: FloatArray) -> None:
-    c = Configuration(q, {})
-    assert c.commanded.tobytes() == q[:7].tobytes()
+    c = Configuration(q, np.zeros(2), {})
+    assert c.commanded.tobytes() == q.tobytes()
     assert c.x is None

@@ -64,7 +64,7 @@ def test_the_policy_succeeds_more_often_than_chance(trained: Path) -> None:
     rng = np.random.default_rng(0)
     won = possible = 0
     for spec in map(training_scene, range(2005, 2405, 8)):
-        c = Configuration(np.zeros(9), {name: box.X_WO for name, box in spec.boxes.items()})
+        c = Configuration(np.zeros(7), np.zeros(2), {name: box.X_WO for name, box in spec.boxes.items()})
         observation = Observer(spec).observe_all([(c, Action("pick", (box, "table"))) for box in spec.boxes])
         for matrix, drawn in zip(observation.matrix, model.draw(observation, 4, rng), strict=True):
             if succeeds(matrix, np.zeros(4)):

@@ -12,7 +12,7 @@ from ictamp_drake.learning.dataset import AttemptRow, scene_text, write
 from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.world import World
 
-OPEN = Configuration(np.zeros(9), {})
+OPEN = Configuration(np.zeros(7), np.zeros(2), {})
 
 
 def case(scene: int, outcomes: Sequence[bool], skill: str = "pick", state: int = 0) -> Case:

@@ -41,7 +41,7 @@ def lift_centered(c: Configuration, box: str, size: tuple[float, float, float], 
     fingers = np.array([-np.sin(k[3]), np.cos(k[3]), 0.0])
     shift = lying.X_WU.rotation().matrix() @ (fingers * (fingers @ k[:3])) + [0.0, 0.0, LIFT]
     pose = c.poses[box] + np.concatenate([np.zeros(4), shift])
-    return Configuration(c.q, {**c.poses, box: pose}, box, c.gripper)
+    return Configuration(c.q, c.fingers, {**c.poses, box: pose}, box, c.gripper)
 
 
 def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
@@ -51,7 +51,7 @@ def write_attempts(folder: Path, scenes: int = 40, draws: int = 12) -> None:
         spec = training_scene(number)
         rng = np.random.default_rng(number)
         text, boxes = scene_text(spec), sorted(spec.boxes)
-        c = Configuration(np.zeros(9), {name: spec.boxes[name].X_WO for name in boxes})
+        c = Configuration(np.zeros(7), np.zeros(2), {name: spec.boxes[name].X_WO for name in boxes})
         for draw in range(draws):
             action = Action("pick", (boxes[draw % len(boxes)], "table"))
             matrix = Observer(spec).observe(c, action).matrix

@@ -44,7 +44,7 @@ def row(number: int, state: int = 0, draw: int = 0, failure: Failure | None = No
     box = min(spec.boxes)
     poses = {name: each.X_WO + rng.normal(scale=1e-3, size=7) for name, each in spec.boxes.items()}
     held = box if state % 2 else None
-    c = Configuration(rng.normal(size=9), poses, held, GripperCommand(0.05, 30.0))
+    c = Configuration(rng.normal(size=7), rng.normal(size=2), poses, held, GripperCommand(0.05, 30.0))
     executed = failure in (None, Failure.SLIPPED)
     attempt = Attempt(
         Action("place" if state % 2 else "pick", (box, "table")),
@@ -83,6 +83,7 @@ def test_rows_come_back_as_they_were_written(folder: Path) -> None:
         assert found["motion_ms"] == 20
         assert (c.held, found["sampler"]) == (written.c.held, "uniform")
         np.testing.assert_allclose(c.q, written.c.q, rtol=1e-6)
+        np.testing.assert_allclose(c.fingers, written.c.fingers, rtol=1e-6)
         np.testing.assert_allclose([c.gripper.width, c.gripper.force], [0.05, 30.0], rtol=1e-6)
         for name, pose in written.c.poses.items():
             np.testing.assert_allclose(c.poses[name], pose, atol=1e-6)
@@ -232,7 +233,7 @@ def test_what_earlier_versions_recorded_can_be_tried_again(folder: str, name: st
     (recorded,) = open_table(DATA / folder).head(1, filter=succeeded).to_pylist()
     c, spec, tried = configuration(recorded), scene(recorded["spec"]), action(recorded)
     assert c.x is None
-    assert c.commanded.tobytes() == c.q[:7].tobytes()
+    assert c.commanded.tobytes() == c.q.tobytes()
     assert c.held == (None if name == "pick" else tried.args[0])
     attempt = rig(spec).attempt(c, tried, k=np.array(recorded["k"], dtype=float))
     assert attempt.succeeded, attempt.detail

@@ -35,7 +35,7 @@ SUPPORT = max(SPEC.supports)
 
 
 def matrix_of(name: str, place: str) -> torch.Tensor:
-    c = Configuration(np.zeros(9), {box: each.X_WO for box, each in SPEC.boxes.items()})
+    c = Configuration(np.zeros(7), np.zeros(2), {box: each.X_WO for box, each in SPEC.boxes.items()})
     return torch.from_numpy(Observer(SPEC).observe_all([(c, Action(name, (BOX, place)))]).matrix)
 
 
@@ -103,7 +103,7 @@ def test_the_base_sees_the_hand_where_the_motion_takes_it(skill: str) -> None:
         X_WG = grasp_pose(world, c, "yellow_box", k)
     else:
         world.set_configuration(c)
-        X_WG0 = ArmKinematics(to_transform(world.spec.arm.X_WB)).forward(c.q[:7])
+        X_WG0 = ArmKinematics(to_transform(world.spec.arm.X_WB)).forward(c.q)
         X_WG = placement_pose(world, c, "rack", held_bottom(world, c, "yellow_box", X_WG0), k)
     matrix = torch.from_numpy(Observer(world.spec).observe(c, action).matrix)[None]
     found = features(skill, matrix, torch.from_numpy(k.astype(np.float32))[None])[0, -6:].numpy()

@@ -30,7 +30,7 @@ def action(spec: SceneSpec, skill: str) -> Action:
 
 def observe(spec: SceneSpec, skill: str, q: FloatArray = Q) -> torch.Tensor:
     held = None if skill == "pick" else min(spec.boxes)
-    c = Configuration(np.append(q, [0.03, 0.03]), {name: box.X_WO for name, box in spec.boxes.items()}, held)
+    c = Configuration(q, np.array([0.03, 0.03]), {name: box.X_WO for name, box in spec.boxes.items()}, held)
     return torch.from_numpy(Observer(spec).observe(c, action(spec, skill)).matrix)[None]
 
 

@@ -40,4 +40,4 @@ def test_tips_are_below_the_pads_and_sides_fit_into_the_opening() -> None:
 
 
 def test_a_configuration_is_open_by_default() -> None:
-    assert Configuration(np.zeros(9), {}).gripper.width == MAX_OPENING
+    assert Configuration(np.zeros(7), np.zeros(2), {}).gripper.width == MAX_OPENING

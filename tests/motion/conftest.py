@@ -61,7 +61,7 @@ def holding(world: World) -> Callable[..., Configuration]:
         c = world.initial_configuration()
         width = world.sizes[name][1]
         pose = np.concatenate([X_WO.rotation().ToQuaternion().wxyz(), X_WO.translation()])
-        return Configuration(np.append(q, [width / 2, width / 2]), {**c.poses, name: pose}, name)
+        return Configuration(q, np.full(2, width / 2), {**c.poses, name: pose}, name)
 
     return configuration
 
@@ -74,11 +74,11 @@ def overlaps() -> Callable[[World, Configuration, FloatArray], dict[frozenset[st
         plant, scene_graph = world.plant, world.diagram.scene_graph()
         root = world.diagram.CreateDefaultContext()
         context = plant.GetMyMutableContextFromRoot(root)
-        plant.SetPositions(context, world.bodies.arm, c.q)
+        plant.SetPositions(context, world.bodies.arm, np.append(c.q, c.fingers))
         hand = world.bodies.hand
         X_HW = plant.EvalBodyPoseInWorld(context, hand).inverse()
         X_HO = None if c.held is None else X_HW @ to_transform(c.poses[c.held])
-        plant.SetPositions(context, world.bodies.arm, np.append(q, c.q[7:]))
+        plant.SetPositions(context, world.bodies.arm, np.append(q, c.fingers))
         for name, body in world.bodies.boxes.items():
             moved = None if name != c.held else plant.EvalBodyPoseInWorld(context, hand) @ X_HO
             plant.SetFloatingBaseBodyPoseInWorldFrame(context, body, moved or to_transform(c.poses[name]))

@@ -47,7 +47,7 @@ def test_held_box_moves_with_the_hand(world: World, scene: CollisionScene, down,
         held_free = scene.is_free(c, q)
         if not depths or max(depths.values()) > 2e-3:  # the held box counts as 1 mm smaller
             assert held_free == (not depths)
-        empty = Configuration(c.q, {**c.poses, "blue_box": world.initial_configuration().poses["blue_box"]})
+        empty = Configuration(c.q, c.fingers, {**c.poses, "blue_box": world.initial_configuration().poses["blue_box"]})
         differs += scene.is_free(empty, q) and not held_free
     assert differs > 5
 
@@ -64,7 +64,7 @@ def test_place_that_the_held_box_left_is_empty(world: World, scene: CollisionSce
     c = holding(HOME, "blue_box", ARM.forward(HOME) @ RigidTransform(UPSIDE_DOWN, [0, 0, 0.2]))
     contacts = scene.contacts(c, q)
     assert "blue_box" not in {contact.other for contact in contacts}
-    closed = Configuration(np.append(HOME, [0.0, 0.0]), world.initial_configuration().poses)
+    closed = Configuration(HOME, np.zeros(2), world.initial_configuration().poses)
     assert "blue_box" in {contact.other for contact in scene.contacts(closed, q)}
 
 

@@ -209,10 +209,10 @@ def test_motions_are_those_in_the_configuration_given_whatever_was_given_before(
 ) -> None:
     q, X_WG1 = posture(planner, c, down(0.5, 0.3, 0.08)), down(0.5, 0.3, 0.2)
     under_a_finger = np.array([1.0, 0.0, 0.0, 0.0, 0.5, 0.26, 0.053])
-    moved = Configuration(c.q, {**c.poses, "blue_box": under_a_finger})
+    moved = Configuration(c.q, c.fingers, {**c.poses, "blue_box": under_a_finger})
     for _ in range(2):
         assert isinstance(planner.plan_straight(c, q, X_WG1), PlannedMotion)
         refusal = planner.plan_straight(moved, q, X_WG1)
         assert isinstance(refusal, Refusal)
         assert refusal.obstacle == "blue_box"
-        assert isinstance(planner.plan_straight(Configuration(c.q, c.poses), q, X_WG1), PlannedMotion)
+        assert isinstance(planner.plan_straight(Configuration(c.q, c.fingers, c.poses), q, X_WG1), PlannedMotion)

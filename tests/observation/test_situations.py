@@ -45,12 +45,12 @@ def turn_box(c: Configuration, box: str, p_W: FloatArray, yaw: float, held: str 
     X_WO = to_transform(c.poses[box])
     rotation = RotationMatrix.MakeZRotation(yaw) @ X_WO.rotation()
     pose = to_pose(RigidTransform(rotation, X_WO.translation() + p_W))
-    return Configuration(c.q, {**c.poses, box: pose}, held, c.gripper)
+    return Configuration(c.q, c.fingers, {**c.poses, box: pose}, held, c.gripper)
 
 
 def test_a_picked_box_is_held_as_the_grasp_says() -> None:
     held = hold_box(WORLD, "red_box", drop=0.01)
-    X_WG = ArmKinematics(to_transform(WORLD.spec.arm.X_WB)).forward(held.q[:7])
+    X_WG = ArmKinematics(to_transform(WORLD.spec.arm.X_WB)).forward(held.q)
     before = turn_box(held, "red_box", np.array([0.002, 0.001, -LIFT]), 0.1, None)
     k = grasp_parameter(WORLD, before, "red_box", raise_pose(X_WG, -LIFT))
     assert_seen_alike(imagine(before, PICK, k, held), held)
@@ -88,7 +88,7 @@ def test_the_hand_lets_go_where_it_holds_the_box() -> None:
 def test_nothing_else_moves(number: int, yaw: float, x: float) -> None:
     spec = training_scene(number)
     observer, box = Observer(spec), min(spec.boxes)
-    c = Configuration(np.zeros(9), {name: each.X_WO for name, each in spec.boxes.items()})
+    c = Configuration(np.zeros(7), np.zeros(2), {name: each.X_WO for name, each in spec.boxes.items()})
     steps = observer.steps([Action("pick", (box, "table")), Action("place", (box, "table"))])
     before = observer.situations([c, c])
     after = before.predict_after(steps, np.tile(K, (2, 1)), np.array([[x, 0.0, 0.1, yaw]] * 2))

@@ -32,8 +32,8 @@ shifts = st.floats(-3.0, 3.0)
 
 def resting_configuration(spec: SceneSpec) -> Configuration:
     """The boxes at their specified poses, and the arm somewhere."""
-    q = np.array([0.1, -0.6, 0.2, -2.2, 0.1, 1.6, 0.5, 0.04, 0.04])
-    return Configuration(q, {name: box.X_WO for name, box in spec.boxes.items()})
+    q = np.array([0.1, -0.6, 0.2, -2.2, 0.1, 1.6, 0.5])
+    return Configuration(q, np.full(2, 0.04), {name: box.X_WO for name, box in spec.boxes.items()})
 
 
 def actions(spec: SceneSpec) -> list[Action]:
@@ -81,7 +81,7 @@ def move_scene(spec: SceneSpec, c: Configuration, X: RigidTransform, degrees: fl
         for name, each in spec.supports.items()
     }
     poses = {name: to_pose(X @ to_transform(pose)) for name, pose in c.poses.items()}
-    return replace(spec, arm=arm, supports=supports), Configuration(c.q, poses, c.held, c.gripper)
+    return replace(spec, arm=arm, supports=supports), Configuration(c.q, c.fingers, poses, c.held, c.gripper)
 
 
 @given(numbers, angles, shifts, shifts)
@@ -127,7 +127,9 @@ def test_moving_the_base_alone_changes_no_target_column(number: int, shift: floa
 
 def test_changing_another_box_changes_its_own_row_only() -> None:
     observer, c = Observer(TOWER), resting_configuration(TOWER)
-    elsewhere = Configuration(c.q, {**c.poses, "cyan_box": c.poses["cyan_box"] + [0, 0, 0, 0, 0.01, 0.0, 0.0]})
+    elsewhere = Configuration(
+        c.q, c.fingers, {**c.poses, "cyan_box": c.poses["cyan_box"] + [0, 0, 0, 0, 0.01, 0.0, 0.0]}
+    )
     before, after = observer.observe(c, PICK), observer.observe(elsewhere, PICK)
     different = np.flatnonzero(np.any(before.matrix != after.matrix, axis=1))
     assert [roles(before)[row] for row in different] == ["other"]
@@ -189,7 +191,7 @@ def test_how_the_held_box_is_held(roll: float) -> None:
     world = World(spec)
     c = hold_box(world, "red_box", roll, drop=0.02)
     seen = Observer(spec).observe(c, Action("place", ("red_box", "table")))
-    X_WG = ArmKinematics(to_transform(spec.arm.X_WB)).forward(c.q[:7])
+    X_WG = ArmKinematics(to_transform(spec.arm.X_WB)).forward(c.q)
     X_GU = X_WG.inverse() @ world.upright_frame(c, "red_box").X_WU
     np.testing.assert_allclose(quantity(seen, 1, "hand_x", "hand_y", "hand_z"), X_GU.translation(), atol=1e-6)
     columns = [f"hand_r{row}{column}" for column in "01" for row in "012"]
@@ -212,7 +214,7 @@ def test_the_nearest_stay_when_there_are_too_many() -> None:
 
 def test_all_at_once_is_the_same_as_one_by_one() -> None:
     observer, c = Observer(TOWER), resting_configuration(TOWER)
-    tilted = Configuration(c.q, {**c.poses, "cyan_box": c.poses["red_box"]})
+    tilted = Configuration(c.q, c.fingers, {**c.poses, "cyan_box": c.poses["red_box"]})
     options = [(c, PICK), (tilted, PLACE), (c, PLACE), (tilted, PICK)]
     together = observer.observe_all(options)
     for number, option in enumerate(options):

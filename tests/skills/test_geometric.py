@@ -92,7 +92,7 @@ def test_a_die_is_put_on_a_die_and_on_the_tray() -> None:
 def test_there_is_no_k_beyond_reach() -> None:
     spec = load_scene(CASES / "f4-flat-plate.yaml")
     here = rig(spec, Geometric())
-    far = Configuration(here.start.q, {"plate": here.start.poses["plate"] + [0, 0, 0, 0, 2, 0, 0]})
+    far = Configuration(here.start.q, here.start.fingers, {"plate": here.start.poses["plate"] + [0, 0, 0, 0, 2, 0, 0]})
     assert len(draw(here, far, pick("plate", "table"))) == 0
 
 

@@ -143,7 +143,7 @@ def test_a_heavy_box_gripped_far_off_its_center_is_not_carried() -> None:
 
 def observe(c: Configuration) -> ict.Start:
     """The start that an observer would describe."""
-    return ict.Start(joints=c.q[:7], held=c.held or "", poses=c.poses)
+    return ict.Start(joints=c.q, held=c.held or "", poses=c.poses)
 
 
 def test_a_box_held_at_the_start_is_gripped_as_hard() -> None:

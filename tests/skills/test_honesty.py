@@ -137,7 +137,8 @@ def test_the_check_sees_a_hand_in_a_box() -> None:
     attempt = setup.attempt(setup.start, pick("blue_box", "red_box"))
     blind = {**setup.start.poses, "blue_box": np.array([1.0, 0, 0, 0, 0.5, 0.1, 0.3])}
     frames = [
-        Frame(0.0, Configuration(frame.c.q, blind)) for frame in execute_motion(TOWER, setup.start, attempt.motion)
+        Frame(0.0, Configuration(frame.c.q, frame.c.fingers, blind))
+        for frame in execute_motion(TOWER, setup.start, attempt.motion)
     ]
     with pytest.raises(AssertionError, match="mm"):
         check(deepest(setup.world, frames), "red_box", CARRIED)

@@ -8,7 +8,7 @@ from ictamp_drake.core.types import Action, Atom, Configuration, Recording, Stat
 from ictamp_drake.skills.judge import judge
 from ictamp_drake.world.outcome import Outcome
 
-C = Configuration(np.zeros(9), {})
+C = Configuration(np.zeros(7), np.zeros(2), {})
 PICK, PLACE = Action("pick", ("red", "table")), Action("place", ("red", "rack"))
 
 

@@ -78,7 +78,7 @@ def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
     assert not isinstance(first, Refusal)
     near = first[1].control_points[0] + 0.01  # close to the place from which the hand is lowered
     start = FREE.initial_configuration()
-    closed = Configuration(np.append(near, [0.0, 0.0]), start.poses, None, GripperCommand(0.0))
+    closed = Configuration(near, np.zeros(2), start.poses, None, GripperCommand(0.0))
     motion = plan_pick(FREE, "red_box", k, closed)
     assert not isinstance(motion, Refusal)
     adjust, approach, lower = motion[:3]

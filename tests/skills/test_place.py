@@ -122,7 +122,7 @@ def test_the_next_pick_starts_from_the_opening_that_the_placement_left() -> None
     placed = setup.attempt(c, place("moved", "table"), k=HERE).successor
     assert placed is not None
     assert isinstance(placed.gripper, GripperCommand)
-    np.testing.assert_allclose(2 * placed.q[7:], placed.gripper.width, atol=5e-4)
+    np.testing.assert_allclose(2 * placed.fingers, placed.gripper.width, atol=5e-4)
     again = setup.attempt(placed, pick("moved", "table"), k=GRASP)
     assert again.failure is None, again.detail
     assert again.motion[0].label == "approach"

@@ -73,7 +73,7 @@ def test_the_best_of_the_candidates_that_are_near_come_first(
     for c, action in situations(world):
         model, observation = load_skill(checkpoints, action.name), Observer(world.spec).observe_all([(c, action)])
         candidates = model.draw(observation, 16, np.random.default_rng(5))
-        times = arm.travel_times(hand_poses(world, c, action, candidates[0], arm.forward(c.q[:7])), c.q[:7])
+        times = arm.travel_times(hand_poses(world, c, action, candidates[0], arm.forward(c.q)), c.q)
         there = np.isfinite(times) | (haste == 0)
         worth = model.Q(observation, candidates)[0, there] - (haste * times[there] if haste else 0.0)
         ranked = np.array(list(islice(sampler.draws(c, action, np.random.default_rng(5)), 16)))

@@ -74,6 +74,6 @@ def test_physics_can_say_no() -> None:
     step = setup.step(setup.start, pick)
     attempt = replace(setup.skills, promises=True).attempt(setup.start, step, np.random.default_rng(0))
     moved = setup.start.poses["yellow_box"] + [0.0, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0]
-    elsewhere = Configuration(setup.start.q, {**setup.start.poses, "yellow_box": moved})
+    elsewhere = Configuration(setup.start.q, setup.start.fingers, {**setup.start.poses, "yellow_box": moved})
     executed = setup.skills.execute(elsewhere, attempt, step.states[1])
     assert executed.failure is Failure.NOT_GRASPED

@@ -140,7 +140,7 @@ def pose_of_hand(world: World, arm: ArmKinematics, c: Configuration, action: Act
     box, other = action.args
     if action.name == "pick":
         return grasp_pose(world, c, box, k)
-    return placement_pose(world, c, other, held_bottom(world, c, box, arm.forward(c.q[:7])), k)
+    return placement_pose(world, c, other, held_bottom(world, c, box, arm.forward(c.q)), k)
 
 
 @pytest.mark.parametrize("situation", SITUATIONS)
@@ -152,7 +152,7 @@ def test_optimized_k_can_be_reached(
     assert len(found) >= 5
     for k in found:
         X_WG = pose_of_hand(world, arm, c, action, k)
-        q = arm.solve(X_WG, c.q[:7])
+        q = arm.solve(X_WG, c.q)
         assert q is not None
         assert arm.forward(q).IsNearlyEqualTo(X_WG, 1e-6)
 

@@ -83,7 +83,7 @@ def test_the_noise_has_the_given_size(plan: Plan) -> None:
 
 
 def test_boxes_that_carry_each_other_move_together() -> None:
-    c = Configuration(np.zeros(9), dict.fromkeys("abcdef", POSE), held="f")
+    c = Configuration(np.zeros(7), np.zeros(2), dict.fromkeys("abcdef", POSE), held="f")
     on = {("a", "table"), ("b", "a"), ("c", "table"), ("d", "rack"), ("e", "d"), ("e", "c")}
     stacks = list(find_stacks(frozenset(Atom("on", pair) for pair in on), c))
     assert [sorted(stack) for stack in stacks] == [["a", "b"], ["c", "d", "e"]]

@@ -68,7 +68,7 @@ def test_a_plan_survives_bit_for_bit(
 ) -> None:
     path = tmp_path_factory.mktemp("plan") / "plan.yaml"
     poses = {name: box.X_WO for name, box in SPEC.boxes.items()}
-    c = Configuration(np.append(HOME + lag, [0.04, 0.04]), poses, commanded=HOME)
+    c = Configuration(HOME + lag, np.array([0.04, 0.04]), poses, commanded=HOME)
     motion: list[Segment] = []
     for goal, duration, gripper, touches in ways:
         start = motion[-1].control_points[-1] if motion else HOME
@@ -140,6 +140,7 @@ def test_the_plan_is_executed_as_it_says(plan: Plan) -> None:
     for outcome, attempt in zip(replay.outcomes, plan.attempts, strict=True):
         assert attempt.successor is not None
         np.testing.assert_allclose(outcome.c.q, attempt.successor.q, atol=1e-6)
+        np.testing.assert_allclose(outcome.c.fingers, attempt.successor.fingers, atol=1e-6)
         for name, pose in attempt.successor.poses.items():
             np.testing.assert_allclose(outcome.c.poses[name], pose, atol=1e-6)
 
@@ -190,7 +191,7 @@ def test_older_formats_become_todays(version: int, content: dict[str, Any], plan
     path.write_text(yaml.safe_dump(without_surroundings(content, version)))
     old = Plan.load(path)
     assert (old.spec, old.actions, old.origin) == (plan.spec, plan.actions, None)
-    assert old.c == (plan.c if version == 2 else replace(plan.c, commanded=old.c.q[:7], x=None))
+    assert old.c == (plan.c if version == 2 else replace(plan.c, commanded=old.c.q, x=None))
     assert all(attempt.successor is None for attempt in old.attempts)
     assert old.replay().reached
     old.save(path)

@@ -29,7 +29,7 @@ def executed_steps(solution: Solution) -> dict[int, Step[Configuration]]:
 def visible_part(c: Configuration | None) -> Configuration:
     """Visible part of a configuration."""
     assert c is not None
-    return Configuration(c.q, c.poses)
+    return Configuration(c.q, c.fingers, c.poses)
 
 
 def test_a_recording_leads_from_node_to_child(solution: Solution) -> None:

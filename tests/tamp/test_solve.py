@@ -71,12 +71,12 @@ def test_a_solution_can_be_shown_from_the_recordings_of_its_skills(scene: Path) 
     assert times[0] == 0
     assert np.all(np.diff(times) > 0)
     assert times[-1] == pytest.approx(sum(segment.duration for segment in motion))
-    assert frames[0].c == Configuration(solution.task.c.q, solution.task.c.poses)
+    assert frames[0].c == Configuration(solution.task.c.q, solution.task.c.fingers, solution.task.c.poses)
     assert sum(isinstance(event, StepDone) for event in events) == solution.result.low_level_steps
     end = solution.result.plan[-1].successor
     assert end is not None
     assert solution.task.goal.holds(solution.task.abstraction(end))
-    assert frames[-1].c == Configuration(end.q, end.poses)
+    assert frames[-1].c == Configuration(end.q, end.fingers, end.poses)
 
 
 class Counted(Physics):

@@ -22,13 +22,13 @@ DURATION = 20.0
 """Duration of the motion [s]."""
 
 
-START = Configuration(np.append(HOME, [0.04, 0.04]), {name: box.X_WO for name, box in SPEC.boxes.items()})
+START = Configuration(HOME, np.array([0.04, 0.04]), {name: box.X_WO for name, box in SPEC.boxes.items()})
 """The arm at home, the boxes on the table."""
 
 
 def swing(share: float) -> Configuration:
     """The arm turned to its left, and the blue box moved along, by a share of the whole motion."""
-    q = START.q + share * np.array([0.9, 0.3, 0, 0, 0, 0, 0, 0, 0])
+    q = START.q + share * np.array([0.9, 0.3, 0, 0, 0, 0, 0])
     blue = START.poses["blue_box"] + share * np.array([0, 0, 0, 0, 0.15, 0.0, 0.0])
     return replace(START, q=q, poses={**START.poses, "blue_box": blue})
 

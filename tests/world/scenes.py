@@ -48,7 +48,7 @@ def pose(x: float, y: float, z: float, *, roll: float = 0.0, pitch: float = 0.0,
 def arrange(world: World, poses: dict[str, FloatArray], held: str | None = None) -> Configuration:
     """The initial configuration, with some boxes moved."""
     c = world.initial_configuration()
-    return Configuration(c.q, {**c.poses, **poses}, held, c.gripper)
+    return Configuration(c.q, c.fingers, {**c.poses, **poses}, held, c.gripper)
 
 
 def far_boxes() -> dict[str, BoxSpec]:
@@ -59,7 +59,7 @@ def far_boxes() -> dict[str, BoxSpec]:
 
 def stay(c: Configuration, duration: float, gripper: GripperCommand | None = None, label: str = "stay") -> Segment:
     """The arm stands still at its place in c while the hand obeys a command, by default that of c."""
-    return Segment(label, duration, gripper or c.gripper, 1, np.array([0.0, duration]), c.q[None, :7])
+    return Segment(label, duration, gripper or c.gripper, 1, np.array([0.0, duration]), c.q[None])
 
 
 def way(label: str, q0: FloatArray, q1: FloatArray, duration: float, gripper: GripperCommand) -> Segment:
@@ -76,8 +76,8 @@ def hold_box(world: World, box: str, roll: float = 0.0, drop: float = 0.0) -> Co
     R_DOWN = RotationMatrix.MakeXRotation(np.pi)
     X_GO = RigidTransform(R_DOWN.inverse() @ RotationMatrix.MakeXRotation(np.radians(roll)), [0.0, 0.0, drop])
     side = SIZES[box][1 if roll % 180 == 0 else 2]
-    q = np.append(c.q[:7], [side / 2] * 2)
-    return Configuration(q, {**c.poses, box: to_pose(X_WG @ X_GO)}, box, GripperCommand(side, 30.0))
+    poses = {**c.poses, box: to_pose(X_WG @ X_GO)}
+    return Configuration(c.q, np.full(2, side / 2), poses, box, GripperCommand(side, 30.0))
 
 
 def p_GO(world: World, c: Configuration, name: str) -> FloatArray:

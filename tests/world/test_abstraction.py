@@ -130,7 +130,7 @@ def test_a_box_in_the_hand(world: World, abstraction: SceneAbstraction, roll: fl
 
 def test_a_box_between_open_fingers_is_not_in_the_hand(world: World, abstraction: SceneAbstraction) -> None:
     c = hold_box(world, "red_box")
-    open_hand = Configuration(np.append(c.q[:7], [0.04, 0.04]), c.poses, None)
+    open_hand = Configuration(c.q, np.array([0.04, 0.04]), c.poses, None)
     state = abstraction(open_hand)
     assert Atom("hand-empty", ()) in state
     assert Atom("in-hand", ("red_box",)) not in state
@@ -139,7 +139,7 @@ def test_a_box_between_open_fingers_is_not_in_the_hand(world: World, abstraction
 def test_a_gripped_box_that_something_carries_is_not_in_the_hand(world: World, abstraction: SceneAbstraction) -> None:
     c = hold_box(world, "red_box")
     below = to_transform(c.poses["red_box"]).translation() - [0.0, 0.0, 0.059 + 0.035]
-    state = abstraction(Configuration(c.q, {**c.poses, "cyan_box": pose(*below)}, "red_box"))
+    state = abstraction(Configuration(c.q, c.fingers, {**c.poses, "cyan_box": pose(*below)}, "red_box"))
     assert Atom("in-hand", ("red_box",)) not in state
     assert Atom("clear", ("cyan_box",)) not in state
 
@@ -197,7 +197,7 @@ def test_h_is_complete_and_agrees_with_eval(
     c = arrange(world, poses)
     if held is not None:
         gripping = hold_box(world, held)
-        c = Configuration(gripping.q, {**c.poses, held: gripping.poses[held]}, held)
+        c = Configuration(gripping.q, gripping.fingers, {**c.poses, held: gripping.poses[held]}, held)
     state = abstraction(c)
     carried = supporters(state)
     assert held_box(state) == held
@@ -252,11 +252,11 @@ def test_h_is_the_same_when_the_whole_scene_is_elsewhere(
     c = arrange(world, arrangement[0])
     if held is not None:
         gripping = hold_box(world, held)
-        c = Configuration(gripping.q, {**c.poses, held: gripping.poses[held]}, held)
+        c = Configuration(gripping.q, gripping.fingers, {**c.poses, held: gripping.poses[held]}, held)
     X = RigidTransform(RotationMatrix.MakeZRotation(math.radians(yaw)), [x, y, 0.0])
     poses = {name: to_pose(X @ to_transform(p)) for name, p in c.poses.items()}
     elsewhere = World(_move_scene(world.spec, x, y, yaw))
-    assert SceneAbstraction(elsewhere)(Configuration(c.q, poses, c.held)) == abstraction(c)
+    assert SceneAbstraction(elsewhere)(Configuration(c.q, c.fingers, poses, c.held)) == abstraction(c)
 
 
 # knocking things over
@@ -274,7 +274,7 @@ def _knock_over(c: Configuration) -> dict[str, Configuration]:
         "red lies on cyan": {"red_box": pose(0.4, 0.1, 0.07 + 0.025, roll=90.0)},
         "red left the table": {"red_box": pose(X_WO[0], X_WO[1], -1.0)},
     }
-    return {what: Configuration(c.q, {**c.poses, **poses}, c.held) for what, poses in tumbled.items()}
+    return {what: Configuration(c.q, c.fingers, {**c.poses, **poses}, c.held) for what, poses in tumbled.items()}
 
 
 def test_knocking_things_over_is_never_the_promised_state(world: World, abstraction: SceneAbstraction) -> None:
@@ -284,12 +284,12 @@ def test_knocking_things_over_is_never_the_promised_state(world: World, abstract
     picked = next(a for a, _ in domain.successors(before) if a.name == "pick" and a.args[0] == "yellow_box")
     promised = domain.successor(before, picked)
     gripping = hold_box(world, "yellow_box")
-    done = Configuration(gripping.q, {**gripping.poses, "cyan_box": tower["cyan_box"]}, "yellow_box")
+    done = Configuration(gripping.q, gripping.fingers, {**gripping.poses, "cyan_box": tower["cyan_box"]}, "yellow_box")
     assert abstraction(done) == promised
     for what, c in _knock_over(done).items():
         assert abstraction(c) != promised, what
     dropped = {**done.poses, "yellow_box": pose(0.45, 0.3, 0.033)}
-    assert abstraction(Configuration(done.q, dropped)) != promised
+    assert abstraction(Configuration(done.q, done.fingers, dropped)) != promised
 
 
 def test_a_box_that_lies_where_the_goal_wants_it_does_not_reach_the_goal(

@@ -47,7 +47,7 @@ def grip_and_carry(c: Configuration, force: float) -> Motion:
     up = np.array(HOME) + [0.0, -0.12, 0.0, 0.05, 0.0, 0.05, 0.0]
     return (
         stay(c, 0.6, grip, "grasp"),
-        way("lift", c.q[:7], up, 0.8, grip),
+        way("lift", c.q, up, 0.8, grip),
         way("transfer", up, AWAY, 1.2, grip),
     )
 
@@ -141,7 +141,7 @@ def test_what_was_simulated_before_leaves_nothing_behind(world: World, physics: 
     carried = physics.run(c, grip_and_carry(c, 30.0)).c
     assert carried.held == "thing"
     empty = arrange(world, {"thing": pose(0.6, 0.2, TALL / 2)})
-    alone = replace(way("aside", empty.q[:7], AWAY, 1.0, OPEN), touches=frozenset())
+    alone = replace(way("aside", empty.q, AWAY, 1.0, OPEN), touches=frozenset())
     for motion in ((alone,), (stay(empty, 1e-9),)):
         physics.run(c, grip_and_carry(c, 30.0))
         outcome = physics.run(empty, motion)
@@ -187,7 +187,7 @@ def test_a_configuration_that_was_reached_is_loaded_bit_for_bit(world: World, ph
     end = physics.run(c, grip_and_carry(c, 30.0)).c
     assert end.x is not None
     assert end.commanded.tobytes() == AWAY.tobytes()
-    np.testing.assert_allclose(end.q[:7], end.commanded, atol=5e-4)
+    np.testing.assert_allclose(end.q, end.commanded, atol=5e-4)
     assert np.any(end.x[world.plant.num_positions() :] != 0), "velocities are part of it"
     loaded = pickle.loads(pickle.dumps(end))
     assert fresh().run(loaded, (stay(end, 0.2),)).c == physics.run(end, (stay(end, 0.2),)).c
@@ -198,6 +198,7 @@ def test_a_configuration_that_was_reached_is_loaded_bit_for_bit(world: World, ph
     [
         lambda c: {"poses": {"thing": c.poses["thing"] + [0, 0, 0, 0, 0, 0, 1e-9]}},
         lambda c: {"q": c.q + 1e-9},
+        lambda c: {"fingers": c.fingers + 1e-9},
         lambda c: {"x": c.x[:-1]},
         lambda c: {"x": np.append(c.x, 0.0)},
         lambda c: {"x": c.x[:3]},
@@ -219,7 +220,7 @@ def test_boxes_may_move_where_a_motion_begins(world: World, physics: Physics) ->
     rises = state.copy()
     rises[-1] = 1.0
     for start in (c, replace(c, q=c.q, poses=c.poses, x=rises)):
-        alone = replace(way("aside", c.q[:7], AWAY, 1.0, OPEN), touches=frozenset())
+        alone = replace(way("aside", c.q, AWAY, 1.0, OPEN), touches=frozenset())
         outcome = physics.run(start, (replace(stay(c, 0.1), touches=frozenset({"thing"})), alone))
         reference = (
             PhysicsConfig(sleep=False)
@@ -324,8 +325,8 @@ def test_a_tower_of_four_stands(seed: int) -> None:
 def test_fingers_stop_at_the_surface(world: World, force: float, time_step: float) -> None:
     c = world.initial_configuration()
     outcome = PhysicsConfig(time_step=time_step).create(World(pedestal())).run(c, grip_and_carry(c, force)[:1])
-    assert np.all(outcome.c.q[7:] < SIDE / 2 + 1e-4)
-    np.testing.assert_allclose(outcome.c.q[7:], SIDE / 2, atol=5e-4)
+    assert np.all(outcome.c.fingers < SIDE / 2 + 1e-4)
+    np.testing.assert_allclose(outcome.c.fingers, SIDE / 2, atol=5e-4)
     assert outcome.c.held == "thing"
     assert outcome.c.gripper == GripperCommand(SIDE, force)
 
@@ -358,7 +359,7 @@ def test_a_hand_that_closes_on_nothing_holds_nothing(world: World, physics: Phys
     c = arrange(world, {"thing": pose(0.6, 0.2, TALL / 2)})
     outcome = physics.run(c, grip_and_carry(c, 30.0)[:1])
     assert outcome.c.held is None
-    assert outcome.c.q[7] < SIDE / 2 - 0.01
+    assert outcome.c.fingers[0] < SIDE / 2 - 0.01
 
 
 def test_a_box_that_one_finger_presses_is_not_held() -> None:
@@ -397,12 +398,12 @@ def test_pushing_into_a_heavy_obstacle_takes_no_more_than_the_effort_limits() ->
     physics = PhysicsConfig(record_period=0.004).create(World(spec))
     c = World(spec).initial_configuration()
     through_the_table = np.array([0.0, 1.3, 0.0, -1.2, 0.0, 2.0, 0.8])
-    efforts = _efforts(physics, c, (way("push", c.q[:7], through_the_table, 1.5, OPEN), stay(c, 0.2)))
+    efforts = _efforts(physics, c, (way("push", c.q, through_the_table, 1.5, OPEN), stay(c, 0.2)))
     limits = np.array([limit.effort for limit in ARM_LIMITS])
     assert np.all(efforts[:7] <= limits * (1 + 1e-9))
     assert efforts[1] == pytest.approx(limits[1])  # it pushed as hard as allowed
-    blocked = physics.run(c, (way("push", c.q[:7], through_the_table, 1.5, OPEN),))
-    assert np.abs(blocked.c.q[:7] - through_the_table).max() > 0.1
+    blocked = physics.run(c, (way("push", c.q, through_the_table, 1.5, OPEN),))
+    assert np.abs(blocked.c.q - through_the_table).max() > 0.1
 
 
 def test_fingers_press_no_harder_than_they_can(world: World) -> None:
@@ -420,13 +421,13 @@ def test_the_arm_follows_a_motion(world: World, physics: Physics) -> None:
     errors = []
 
     def watch(segment: Segment, running: Physics) -> bool:
-        errors.append(np.abs(running.configuration().q[:7] - segment.control_points[-1]).max())
+        errors.append(np.abs(running.configuration().q - segment.control_points[-1]).max())
         return True
 
     outcome = physics.run(c, motion, watch=watch)
     assert len(errors) == len(motion)
     assert max(errors) < 2e-3
-    np.testing.assert_allclose(outcome.c.q[:7], AWAY, atol=5e-4)
+    np.testing.assert_allclose(outcome.c.q, AWAY, atol=5e-4)
 
 
 # watching, recording, locking
@@ -439,7 +440,7 @@ def test_a_watcher_ends_the_simulation(world: World, physics: Physics, last: int
     outcome = physics.run(c, motion, watch=lambda segment, _: segment is not motion[last])
     assert outcome.stopped_after == motion[last].label
     assert not outcome.settled
-    np.testing.assert_allclose(outcome.c.q[:7], motion[last].control_points[-1], atol=2e-3)
+    np.testing.assert_allclose(outcome.c.q, motion[last].control_points[-1], atol=2e-3)
 
 
 def test_frames_come_once_a_period(world: World) -> None:
@@ -449,11 +450,11 @@ def test_frames_come_once_a_period(world: World) -> None:
     outcome = physics.run(c, motion)
     frames = physics.frames(outcome.recording)
     gaps = np.diff([frame.time for frame in frames])
-    assert frames[0] == Frame(0.0, Configuration(c.q, c.poses))
+    assert frames[0] == Frame(0.0, Configuration(c.q, c.fingers, c.poses))
     assert gaps.max() <= 0.04 + 1e-9
     assert np.sum(gaps < 0.04 - 1e-9) <= len(outcome.motion), "only the end of a segment comes sooner"
     assert frames[-1].time == pytest.approx(sum(segment.duration for segment in outcome.motion))
-    assert frames[-1].c == Configuration(outcome.c.q, outcome.c.poses)
+    assert frames[-1].c == Configuration(outcome.c.q, outcome.c.fingers, outcome.c.poses)
     assert len(physics.run(c, motion, record=False).recording.times) == 1
 
 

@@ -212,6 +212,7 @@ def test_a_motion_that_touches_nothing_wakes_nobody() -> None:
     outcome, reference, executions = run_both(world, c, motion)
     assert executions == [True]
     np.testing.assert_allclose(outcome.c.q, reference.c.q, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(outcome.c.fingers, reference.c.fingers, rtol=0, atol=1e-12)
     for name in c.poses:
         assert outcome.c.poses[name].tobytes() == c.poses[name].tobytes()
         np.testing.assert_allclose(outcome.c.poses[name], reference.c.poses[name], atol=1e-4)
@@ -231,8 +232,8 @@ def test_a_box_that_begins_to_topple_when_it_is_released_does_not_sleep(ahead: f
     thing = BoxSpec((SIDE, SIDE, TALL), (G_X, 0.0, TOP + TALL / 2), mass=0.1)
     spec = SceneSpec(supports={"slab": slab, "floor": TABLE}, boxes={"thing": thing}, goal="(on thing floor)")
     world = World(spec)
-    closed, grip = np.array([*HOME, SIDE / 2, SIDE / 2]), GripperCommand(SIDE, 30.0)
-    start = Configuration(closed, world.initial_configuration().poses, "thing", grip)
+    closed, grip = np.full(2, SIDE / 2), GripperCommand(SIDE, 30.0)
+    start = Configuration(HOME, closed, world.initial_configuration().poses, "thing", grip)
     c = PhysicsConfig().create(world).run(start, (allow_touches(stay(start, 0.3), "thing"),)).c
     assert c.held == "thing"
     up = turned_arm(0.0) + [0.0, -0.12, 0.0, 0.05, 0.0, 0.05, 0.0]

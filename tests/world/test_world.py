@@ -30,7 +30,8 @@ def _poses() -> SearchStrategy[np.ndarray]:
 
 configurations = st.builds(
     Configuration,
-    q=st.tuples(*(st.floats(limits.lower, limits.upper) for limits in ARM_LIMITS), *2 * [st.floats(0, 0.04)]),
+    q=st.tuples(*(st.floats(limits.lower, limits.upper) for limits in ARM_LIMITS)),
+    fingers=st.tuples(*2 * [st.floats(0, 0.04)]),
     poses=st.fixed_dictionaries({name: _poses() for name in NAMES}),
     held=st.sampled_from([None, *NAMES]),
     gripper=st.builds(GripperCommand, width=st.floats(0, MAX_OPENING), force=st.floats(0, 70)),
@@ -41,7 +42,7 @@ configurations = st.builds(
 def test_context_shows_c_bit_for_bit(world: World, c: Configuration) -> None:
     world.set_configuration(c)
     plant, context = world.plant, world.plant.GetMyContextFromRoot(world.context)
-    np.testing.assert_array_equal(plant.GetPositions(context, world.bodies.arm), c.q)
+    np.testing.assert_array_equal(plant.GetPositions(context, world.bodies.arm), [*c.q, *c.fingers])
     for name, body in world.bodies.boxes.items():
         np.testing.assert_array_equal(plant.GetPositions(context, body.model_instance()), c.poses[name])
 
@@ -51,16 +52,19 @@ def test_configurations_are_pickled_and_compared(c: Configuration) -> None:
     copy = pickle.loads(pickle.dumps(c))
     assert copy == c
     assert hash(copy) == hash(c)
-    assert not any(array.flags.writeable for array in (copy.q, *copy.poses.values()))
+    assert not any(array.flags.writeable for array in (copy.q, copy.fingers, *copy.poses.values()))
     for name in NAMES:
-        moved = Configuration(c.q, {**c.poses, name: c.poses[name] + [0, 0, 0, 0, 0, 0, 1e-9]}, c.held, c.gripper)
+        moved = Configuration(
+            c.q, c.fingers, {**c.poses, name: c.poses[name] + [0, 0, 0, 0, 0, 0, 1e-9]}, c.held, c.gripper
+        )
         assert moved != c
-    assert Configuration(c.q, c.poses, c.held, GripperCommand(0.05, 71.0)) != c
+    assert Configuration(c.q, c.fingers, c.poses, c.held, GripperCommand(0.05, 71.0)) != c
 
 
 def test_initial_configuration_is_that_of_the_specification(world: World) -> None:
     c = world.initial_configuration()
-    np.testing.assert_array_equal(c.q, [*HOME, 0.04, 0.04])
+    np.testing.assert_array_equal(c.q, HOME)
+    np.testing.assert_array_equal(c.fingers, [0.04, 0.04])
     assert list(c.poses) == NAMES
     for name, spec in world.spec.boxes.items():
         np.testing.assert_array_equal(c.poses[name], spec.X_WO)

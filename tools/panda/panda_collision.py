@@ -6,7 +6,7 @@ They protrude from the hand by less than 1 cm, and from the fingers by less than
 import math
 
 from ictamp_drake.models.contact import CONTACT_RADIUS, PAD_CONTACT_PROUD
-from ictamp_drake.models.hand import PAD_CENTER, PAD_HALF_HEIGHT, PAD_HALF_WIDTH, PAD_THICKNESS
+from ictamp_drake.models.panda import PAD_CENTER, PAD_HALF_HEIGHT, PAD_HALF_WIDTH, PAD_THICKNESS
 from ictamp_drake.models.sdf_text import Shape
 
 ALONG_Y = (math.pi / 2, 0.0, 0.0)

@@ -16,8 +16,8 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import INERTIALS
 from ictamp_drake.models.package import add_package
+from ictamp_drake.models.panda import INERTIALS
 from tools.panda.panda import Pair, panda_sdf
 
 FILE = Path(__file__).parent / "self_collision.yaml"

@@ -1,4 +1,4 @@
-"""Names, limits and inertial parameters of a Franka Emika Panda. The geometry of its hand is in `models.hand`.
+"""Published numbers of a Franka Emika Panda with its hand, from which its model is written.
 
 Limits and Denavit-Hartenberg parameters are those of Franka's control interface documentation ("Robot and interface
 specifications"). Masses and inertias of the arm are the parameters identified by Gaz, Cognetti, Oliva, Robuffo Giordano
@@ -9,9 +9,7 @@ Penalty-Based Optimization", IEEE RA-L 4(4), 2019; those of the hand are Franka'
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from ictamp_drake.core.types import FloatArray
+from ictamp_drake.models.sdf_text import Inertial
 
 
 class JointLimits(NamedTuple):
@@ -31,14 +29,6 @@ class JointFrame(NamedTuple):
     a: float
     d: float
     alpha: float
-
-
-class Inertial(NamedTuple):
-    """Mass [kg], center of mass p_LLcm [m], inertia about it (xx, yy, zz, xy, xz, yz) in the link's axes [kg m^2]."""
-
-    mass: float
-    p_LLcm: tuple[float, float, float]
-    inertia: tuple[float, float, float, float, float, float]
 
 
 ARM_JOINTS = tuple(f"panda_joint{i}" for i in range(1, 8))
@@ -101,11 +91,26 @@ MAX_GRIP_FORCE = 70.0
 MAX_FINGER_SPEED = 0.05
 """Maximum speed of each finger [m/s]."""
 
-HOME: FloatArray = np.array([0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4])
-"""Comfortable posture of the arm, with the hand pointing down in front of the base [rad], shape (7,)."""
-HOME.setflags(write=False)
-
 JOINT_DAMPING = 0.5
 """Viscous friction of the arm's joints [Nm s/rad]."""
 FINGER_DAMPING = 5.0
 """Viscous friction of the fingers [N s/m]."""
+
+HAND_ANGLE = -math.pi / 4
+"""Rotation of the hand relative to the flange about z [rad]."""
+GRASP_OFFSET = 0.1034
+"""Distance of G from the flange along z [m]."""
+FINGER_OFFSET = 0.0584
+"""Distance of the finger frames from the flange along z [m]."""
+
+MAX_OPENING = 0.08
+"""Distance between the pads of the open hand [m]."""
+
+PAD_HALF_WIDTH = 0.01
+"""Half width of a pad along the finger frame's x [m]."""
+PAD_HALF_HEIGHT = 0.0095
+"""Half height of a pad along the finger frame's z, which is the distance of the finger tips below G [m]."""
+PAD_THICKNESS = 0.0155
+"""Thickness of finger and pad, measured outwards from the gripping face, the finger frame's plane y = 0 [m]."""
+PAD_CENTER = GRASP_OFFSET - FINGER_OFFSET
+"""Distance of the pad's center from the finger frame along z, which puts it at G [m]."""
