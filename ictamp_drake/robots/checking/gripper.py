@@ -1,0 +1,108 @@
+"""Checks of a gripper: how far its fingers open, and how its pads meet."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.measure import measure_fingers
+from ictamp_drake.robots.model_files import read_mimics
+from ictamp_drake.robots.robot import Robot
+
+_OFF = 0.001
+"""Largest distance by which pads may miss each other, and G their middle [m]."""
+_TURNED = 3.0
+"""Largest angle between axes that should agree [deg]."""
+_TURN = "turn the frame by its rotation"
+
+
+def check_gripper(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
+    """Yield what is wrong with the fingers, pads and grasp frame of a gripper.
+
+    Args:
+        robot: Robot.
+        bodies: The robot in a finalized plant whose joints all move freely.
+    """
+    moves = list(_check_moves(robot, bodies))
+    yield from moves
+    places = np.zeros((1, len(bodies.finger_joints))) if moves else robot.gripper.places
+    X_GF, X_GP = _poses(bodies, places[len(places) // 2])
+    turned = list(_check_axes(X_GF))
+    yield from turned
+    if not turned:
+        yield from _check_opposite(X_GF)
+    if not turned and not moves:
+        yield from _check_middle(robot, X_GF)
+    if not X_GP[2, 3] < 0:
+        problem = "expected z of the grasp frame out of the palm, but the wrist is in front of it"
+        yield IctampError(Code.CONFLICT, problem, field="gripper.grasp", advice=_TURN)
+
+
+def _check_moves(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
+    """Yield mistakes of opening and closing. Where the opening is wrong, closing is tested without it."""
+    spec, mimics = robot.spec.gripper, read_mimics(robot.gripper_model or robot.model)
+    for each in (spec, replace(spec, opening=0.01)):
+        try:
+            measure_fingers(bodies, each, mimics)
+            return
+        except IctampError as error:
+            yield error
+            if error.where.field != "gripper.opening":
+                return
+
+
+def _poses(bodies: RobotBodies, fingers: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Poses in G of both pads' faces, shape (2, 4, 4), and of the body to which the hand is fixed, shape (4, 4)."""
+    plant = bodies.plant
+    context = plant.CreateDefaultContext()
+    q = np.zeros(plant.num_positions())
+    q[bodies.gripper] = fingers
+    plant.SetPositions(context, q)
+    wrist = bodies.arm_joints[-1].frame_on_child()
+    frames = (*bodies.faces, wrist)
+    first, second, X_GP = (plant.CalcRelativeTransform(context, bodies.grasp, frame).GetAsMatrix4() for frame in frames)
+    return np.array([first, second]), X_GP
+
+
+def _check_axes(X_GF: FloatArray) -> Iterator[IctampError]:
+    """Yield mistakes of the directions of pads and grasp frame."""
+    away, up = X_GF[:, :3, 1], X_GF[:, :3, 2]
+    wrong = [
+        max(_angle(away[i], [0.0, side, 0.0]), _angle(up[i], [0.0, 0.0, 1.0])) > _TURNED
+        for i, side in enumerate((1.0, -1.0))
+    ]
+    if all(wrong) and max(_angle(away[0], -away[1]), _angle(*up)) < _TURNED:
+        expected = "expected y of the grasp frame from the second pad to the first, and z as that of the pads"
+        yield IctampError(Code.CONFLICT, expected, field="gripper.grasp", advice=_TURN)
+        return
+    for i, (name, where) in enumerate((("first", "y"), ("second", "-y"))):
+        if wrong[i]:
+            expected = f"expected y of the pad's frame along {where} of the grasp frame and z along its z"
+            yield IctampError(Code.CONFLICT, expected, field=f"gripper.pads.{name}", advice=_TURN)
+
+
+def _check_opposite(X_GF: FloatArray) -> Iterator[IctampError]:
+    """Yield mistakes of the pads' places to each other."""
+    miss = X_GF[0, :3, 3] - X_GF[1, :3, 3]
+    for axis, distance in (("x", abs(miss[0])), ("z", abs(miss[2]))):
+        if distance > _OFF:
+            problem = f"the pads are not opposite: {1000 * distance:.1f} mm apart along {axis} of the grasp frame"
+            yield IctampError(Code.CONFLICT, problem, field="gripper.pads", advice="move one of the pads' frames")
+
+
+def _check_middle(robot: Robot, X_GF: FloatArray) -> Iterator[IctampError]:
+    """Yield a mistake if the grasp frame is not between the pads."""
+    x, y, _ = (X_GF[0, :3, 3] + X_GF[1, :3, 3]) / 2
+    z = min(robot.gripper.rises, key=abs)
+    if max(abs(x), abs(y)) > _OFF or abs(z) > robot.spec.gripper.pads.size[2] / 2:
+        middle = ", ".join(f"{1000 * each:.1f}" for each in (x, y, z))
+        problem = f"the middle between the pads is at ({middle}) mm in the grasp frame"
+        yield IctampError(Code.CONFLICT, problem, field="gripper.grasp", advice="move the frame there")
+
+
+def _angle(axis: FloatArray, other: FloatArray | list[float]) -> float:
+    """Angle between unit vectors [deg]."""
+    return float(np.rad2deg(np.arccos(np.clip(axis @ np.asarray(other), -1.0, 1.0))))

@@ -1,0 +1,96 @@
+"""The check of a robot file as a whole."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.reading import in_file, read_text
+from ictamp_drake.robots.checking.alone import Alone
+from ictamp_drake.robots.checking.arm import check_contacts, check_direction, check_limits, check_shapes
+from ictamp_drake.robots.checking.file import decode_all
+from ictamp_drake.robots.checking.gripper import check_gripper
+from ictamp_drake.robots.checking.joints import check_joints
+from ictamp_drake.robots.checking.models import find_models
+from ictamp_drake.robots.checking.names import check_names
+from ictamp_drake.robots.checking.reach import Reach, check_reach, measure_reach
+from ictamp_drake.robots.robot import Robot
+from ictamp_drake.robots.spec import MAX_BYTES, find_file
+
+
+@dataclass(frozen=True)
+class Report:
+    """Result of a check.
+
+    Attributes:
+        problems: Mistakes, each with its place in the file.
+        robot: Robot; None if it cannot be built.
+        reach: Reach of the arm; None if it was not measured.
+    """
+
+    problems: tuple[IctampError, ...]
+    robot: Robot | None = None
+    reach: Reach | None = None
+
+
+def check_robot(name: str) -> Report:
+    """Check a robot that ships, or the file of another one.
+
+    What needs something that is wrong is not checked: the text of the file comes first, then the files of the models,
+    then the names in them, and then all the rest.
+    """
+    try:
+        file = find_file(name)
+        spec, problems = decode_all(read_text(file, MAX_BYTES))
+    except IctampError as error:
+        return Report((error,))
+    if spec is None:
+        return Report(_locate(problems, file))
+    models, problems = find_models(spec, file.parent)
+    problems = problems if models is None else check_names(spec, models)
+    if models is None or problems:
+        return Report(_locate(problems, file))
+    robot, reach = Robot(name, spec, *models), None
+    problems = list(_check_built(robot))
+    if not problems:
+        try:
+            reach = measure_reach(robot)
+            problems = check_reach(reach)
+        except IctampError as error:
+            problems = [error]
+    return Report(_locate(problems, file), robot, reach)
+
+
+def _check_built(robot: Robot) -> Iterator[IctampError]:
+    """Yield what is wrong with a robot whose models have all that the file names."""
+    try:
+        plant = MultibodyPlant(0.0)
+        bodies = robot.add_to(plant, RigidTransform())
+        for constraint in plant.GetConstraintIds():
+            plant.RemoveConstraint(constraint)
+        plant.Finalize()
+        alone = Alone(robot)
+    except RuntimeError as error:
+        problem = f"Drake cannot build the robot: {str(error).strip().partition(chr(10))[0]}"
+        yield IctampError(Code.CONFLICT, problem, field="base")
+        return
+    wrong = list(check_joints(robot, bodies))
+    yield from wrong
+    yield from check_limits(robot)
+    yield from check_shapes(robot, alone.bodies)
+    if not wrong:
+        yield from check_gripper(robot, bodies)
+        yield from check_direction(robot)
+        yield from check_contacts(robot, alone)
+
+
+def _locate(problems: list[IctampError], file: Path) -> tuple[IctampError, ...]:
+    """Add the file and the lines to mistakes."""
+    for problem in problems:
+        with suppress(IctampError), in_file(file):
+            raise problem
+    return tuple(problems)
