@@ -93,7 +93,7 @@ def add_model(
     _add_installed(parser.package_map(), [text], field)
     try:
         instances = parser.AddModelsFromString(text, kind) if kind else parser.AddModels(path)
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         problem = f"Drake cannot read {{value}}: {str(error).strip().partition(chr(10))[0]}"
         raise IctampError(Code.NOT_READABLE, problem, field=field, value=path.name) from error
     if len(instances) != 1:
