@@ -1,5 +1,6 @@
 """Check a robot file: `python -m ictamp_drake.robot check ROBOT.yaml`."""
 
+import logging
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -36,8 +37,23 @@ class RobotOptions:
     show: bool = False
 
 
+class _Once(logging.Filter):
+    """Lets each message pass once: Drake reads a model several times."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._seen: set[str] = set()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        message = record.getMessage()
+        is_new = message not in self._seen
+        self._seen.add(message)
+        return is_new
+
+
 def act(options: RobotOptions, console: Console) -> int:
     """Check the robot, print what is wrong with it or else its measures, and return the exit code."""
+    logging.getLogger("drake").addFilter(_Once())
     report = check_robot(options.robot)
     problems = report.problems
     if report.robot is not None and not problems:

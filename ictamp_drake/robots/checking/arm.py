@@ -1,7 +1,6 @@
 """Checks of an arm: its limits, its home, and its shapes."""
 
 from collections.abc import Iterator
-from contextlib import suppress
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.robots.bodies import RobotBodies
 from ictamp_drake.robots.checking.alone import Alone
+from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.robot import Robot
 
 _LIMITS = ("velocity", "acceleration", "jerk", "effort")
@@ -40,19 +40,13 @@ def check_direction(robot: Robot) -> Iterator[IctampError]:
         yield IctampError(Code.CONFLICT, problem, field="home", value=robot.spec.home, advice=advice)
 
 
-def check_contacts(robot: Robot, alone: Alone) -> Iterator[IctampError]:
-    """Yield each pair of links that touch at home."""
-    with suppress(IctampError):  # a gripper that cannot be measured is a mistake of its own
-        gripper = robot.gripper
-        found = {
-            pair
-            for width in (1.0, 0.5)
-            for pair in alone.contacts(robot.home, gripper.positions(width * gripper.opening))
-        }
-        for one, other in sorted(found):
-            problem = f"{one} and {other} touch at home"
-            advice = "choose another home, or smaller shapes in collision:"
-            yield IctampError(Code.OVERLAP, problem, field="home", value=[one, other], advice=advice)
+def check_contacts(robot: Robot, alone: Alone, gripper: Gripper) -> Iterator[IctampError]:
+    """Yield each pair of links that touch at home, with the hand open or half open."""
+    fingers = [gripper.positions(share * gripper.opening) for share in (1.0, 0.5)]
+    for one, other in sorted({pair for each in fingers for pair in alone.contacts(robot.home, each)}):
+        problem = f"{one} and {other} touch at home"
+        advice = "choose another home, or smaller shapes in collision:"
+        yield IctampError(Code.OVERLAP, problem, field="home", value=[one, other], advice=advice)
 
 
 def check_shapes(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:

@@ -26,16 +26,14 @@ def check_gripper(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
         robot: Robot.
         bodies: The robot in a finalized plant whose joints all move freely.
     """
-    moves = list(_check_moves(robot, bodies))
-    yield from moves
-    places = np.zeros((1, len(bodies.finger_joints))) if moves else robot.gripper.places
-    X_GF, X_GP = _poses(bodies, places[len(places) // 2])
-    turned = list(_check_axes(X_GF))
-    yield from turned
-    if not turned:
-        yield from _check_opposite(X_GF)
-    if not turned and not moves:
-        yield from _check_middle(robot, X_GF)
+    X_GF, X_GP = _poses(bodies, np.zeros(len(bodies.finger_joints)))
+    wrong = list(_check_axes(X_GF))
+    if not wrong:
+        wrong = list(_check_opposite(X_GF))
+    if not any(each.where.field == "gripper.grasp" for each in wrong):
+        moves = list(_check_moves(robot, bodies))
+        wrong = [*moves, *wrong] or list(_check_middle(robot, bodies))
+    yield from wrong
     if not X_GP[2, 3] < 0:
         problem = "expected z of the grasp frame out of the palm, but the wrist is in front of it"
         yield IctampError(Code.CONFLICT, problem, field="gripper.grasp", advice=_TURN)
@@ -76,7 +74,7 @@ def _check_axes(X_GF: FloatArray) -> Iterator[IctampError]:
     ]
     if all(wrong) and max(_angle(away[0], -away[1]), _angle(*up)) < _TURNED:
         expected = "expected y of the grasp frame from the second pad to the first, and z as that of the pads"
-        yield IctampError(Code.CONFLICT, expected, field="gripper.grasp", advice=_TURN)
+        yield IctampError(Code.CONFLICT, expected, field="gripper.grasp", advice=f"{_TURN}, or exchange the pads")
         return
     for i, (name, where) in enumerate((("first", "y"), ("second", "-y"))):
         if wrong[i]:
@@ -93,8 +91,10 @@ def _check_opposite(X_GF: FloatArray) -> Iterator[IctampError]:
             yield IctampError(Code.CONFLICT, problem, field="gripper.pads", advice="move one of the pads' frames")
 
 
-def _check_middle(robot: Robot, X_GF: FloatArray) -> Iterator[IctampError]:
+def _check_middle(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
     """Yield a mistake if the grasp frame is not between the pads."""
+    places = robot.gripper.places
+    X_GF, _ = _poses(bodies, places[len(places) // 2])
     x, y, _ = (X_GF[0, :3, 3] + X_GF[1, :3, 3]) / 2
     z = min(robot.gripper.rises, key=abs)
     if max(abs(x), abs(y)) > _OFF or abs(z) > robot.spec.gripper.pads.size[2] / 2:

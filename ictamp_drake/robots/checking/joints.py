@@ -13,9 +13,11 @@ from ictamp_drake.robots.robot import Robot
 
 def check_joints(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
     """Yield the mistakes in how joints and links are connected, in a finalized plant."""
-    yield from _check_arm(robot, bodies)
+    wrong = list(_check_arm(robot, bodies))
+    yield from wrong
     yield from _check_others(robot, bodies)
-    yield from _check_hand(robot, bodies)
+    if not wrong:
+        yield from _check_hand(robot, bodies)
     yield from _check_masses(bodies)
 
 

@@ -31,7 +31,15 @@ def check_names(spec: RobotSpec, models: Models) -> list[IctampError]:
     joints += [(held, name, f"gripper.joints[{number}]") for number, name in enumerate(gripper.joints)]
     calls: list[Callable[[], object]] = [partial(find_frame, plant, *frame) for frame in frames]
     calls += [partial(find_joint, plant, *joint) for joint in joints]
-    return [*_refusals(calls), *_check_touching(spec, plant, (arm, held))]
+    return [*_refusals(calls), *_check_touching(spec, plant, (arm, held)), *_check_repeated(spec, is_one=arm == held)]
+
+
+def _check_repeated(spec: RobotSpec, *, is_one: bool) -> Iterator[IctampError]:
+    """Yield joints that are listed for the arm and for the gripper, where both are one model."""
+    for number, name in enumerate(spec.gripper.joints):
+        if is_one and name in spec.joints:
+            problem, field = "expected a joint of the gripper, got {value} of the arm", f"gripper.joints[{number}]"
+            yield IctampError(Code.REPEATED, problem, field=field, value=name)
 
 
 def _refusals(calls: Iterable[Callable[[], object]]) -> Iterator[IctampError]:

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.planning import RobotDiagramBuilder
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import in_file, read_text
+from ictamp_drake.robots.bodies import RobotBodies
 from ictamp_drake.robots.checking.alone import Alone
 from ictamp_drake.robots.checking.arm import check_contacts, check_direction, check_limits, check_shapes
 from ictamp_drake.robots.checking.file import decode_all
@@ -45,35 +46,42 @@ def check_robot(name: str) -> Report:
     """
     try:
         file = find_file(name)
-        spec, problems = decode_all(read_text(file, MAX_BYTES))
     except IctampError as error:
         return Report((error,))
+    try:
+        report = _check(name, file)
+    except IctampError as error:  # what went wrong between the checks, such as a file that cannot be read
+        report = Report((error,))
+    for problem in report.problems:
+        with suppress(IctampError), in_file(file):
+            raise problem
+    return report
+
+
+def _check(name: str, file: Path) -> Report:
+    """Check a robot file. The mistakes have no files and lines yet."""
+    spec, problems = decode_all(read_text(file, MAX_BYTES))
     if spec is None:
-        return Report(_locate(problems, file))
+        return Report(tuple(problems))
     models, problems = find_models(spec, file.parent)
-    problems = problems if models is None else check_names(spec, models)
+    if models is not None:
+        problems = check_names(spec, models)
     if models is None or problems:
-        return Report(_locate(problems, file))
-    robot, reach = Robot(name, spec, *models), None
-    problems = list(_check_built(robot))
-    if not problems:
-        try:
-            reach = measure_reach(robot)
-            problems = check_reach(reach)
-        except IctampError as error:
-            problems = [error]
-    return Report(_locate(problems, file), robot, reach)
+        return Report(tuple(problems))
+    robot = Robot(name, spec, *models)
+    if problems := list(_check_built(robot)):
+        return Report(tuple(problems), robot)
+    try:
+        reach = measure_reach(robot)
+    except IctampError as error:
+        return Report((error,), robot)
+    return Report(tuple(check_reach(reach)), robot, reach)
 
 
 def _check_built(robot: Robot) -> Iterator[IctampError]:
     """Yield what is wrong with a robot whose models have all that the file names."""
     try:
-        plant = MultibodyPlant(0.0)
-        bodies = robot.add_to(plant, RigidTransform())
-        for constraint in plant.GetConstraintIds():
-            plant.RemoveConstraint(constraint)
-        plant.Finalize()
-        alone = Alone(robot)
+        bodies = _build(robot)
     except RuntimeError as error:
         problem = f"Drake cannot build the robot: {str(error).strip().partition(chr(10))[0]}"
         yield IctampError(Code.CONFLICT, problem, field="base")
@@ -81,16 +89,19 @@ def _check_built(robot: Robot) -> Iterator[IctampError]:
     wrong = list(check_joints(robot, bodies))
     yield from wrong
     yield from check_limits(robot)
-    yield from check_shapes(robot, alone.bodies)
+    yield from check_shapes(robot, bodies)
     if not wrong:
         yield from check_gripper(robot, bodies)
         yield from check_direction(robot)
-        yield from check_contacts(robot, alone)
+        with suppress(IctampError):  # without measures of the gripper, nothing is known about contacts
+            yield from check_contacts(robot, Alone(robot), robot.gripper)
 
 
-def _locate(problems: list[IctampError], file: Path) -> tuple[IctampError, ...]:
-    """Add the file and the lines to mistakes."""
-    for problem in problems:
-        with suppress(IctampError), in_file(file):
-            raise problem
-    return tuple(problems)
+def _build(robot: Robot) -> RobotBodies:
+    """Return the robot with all its shapes, in a finalized plant whose joints all move freely."""
+    plant = RobotDiagramBuilder(time_step=0.0).plant()
+    bodies = robot.add_to(plant, RigidTransform(), "solid")
+    for constraint in plant.GetConstraintIds():
+        plant.RemoveConstraint(constraint)
+    plant.Finalize()
+    return bodies
