@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.models.things import FOLDER
-from tools.panda.write import contents
+from tools.write import contents
 
 CONTENTS = contents()
 

@@ -1,4 +1,4 @@
-"""Write the model files of the package: `python -m tools.panda.write`.
+"""Write the model files of the package: `python -m tools.write`.
 
 Size, mass, friction and color of boxes and supports are taken from their existing files. To change one, edit the file's
 solid shape, its `mass`, its `mu_static` or its last visual, and run this script. The rest follows.
