@@ -72,10 +72,10 @@ def shares(probe: Probe, links: Iterable[str], samples: int, seed: int) -> dict[
     return {pair: counts[pair] / samples for pair in combinations(sorted(links), 2)}
 
 
-def write_shares(probe: Probe, links: Iterable[str], file: Path) -> None:
+def write_shares(probe: Probe, links: Iterable[str], file: Path, samples: int = SAMPLES) -> None:
     """Sample and write the shares."""
-    found = shares(probe, links, SAMPLES, SEED)
-    record = {"samples": SAMPLES, "seed": SEED, "shares": {" ".join(pair): share for pair, share in found.items()}}
+    found = shares(probe, links, samples, SEED)
+    record = {"samples": samples, "seed": SEED, "shares": {" ".join(pair): share for pair, share in found.items()}}
     file.write_text(yaml.safe_dump(record, sort_keys=False))
 
 
