@@ -23,7 +23,8 @@ from tools.iiwa.self_collision import ignored_pairs, robot_probe
 
 SPEC = yaml.safe_load((PACKAGE_FILE.parent / "robots" / "iiwa14_wsg50.yaml").read_text())
 FLANGE = "iiwa_link_7"
-# KUKA's brochure "Sensitive robotics: LBR iiwa", LBR iiwa 14 R820: range to both sides [deg], speed [deg/s], torque [Nm].
+# KUKA's brochure "Sensitive robotics: LBR iiwa", LBR iiwa 14 R820: range to both sides [deg], speed [deg/s], torque
+# [Nm].
 PUBLISHED_LIMITS = (
     (170, 85, 320),
     (120, 85, 320),

@@ -1,6 +1,6 @@
 """Pairs of links of arm and gripper without collision test: `python -m tools.iiwa.self_collision` samples them.
 
-The gripper's mount is that of `iiwa14_wsg50.yaml`, which lists the pairs of arm and gripper; the two models list theirs.
+The gripper's mount is that of `iiwa14_wsg50.yaml`, which lists the pairs of arm and gripper. The models list theirs.
 """
 
 import math
