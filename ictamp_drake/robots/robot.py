@@ -196,7 +196,7 @@ class Robot:
             held = add_model(plant, self.gripper_model, shapes, _overridden(gripper.collision), field)
             flange = find_frame(plant, arm, spec.flange, "flange")
             mount = find_frame(plant, held, gripper.mount.frame, "gripper.mount.frame")
-            plant.WeldFrames(flange, mount, pose_of(gripper.mount).inverse())
+            plant.WeldFrames(flange, mount, pose_of(gripper.mount))
         arm_joints = [find_joint(plant, arm, name, f"joints[{i}]") for i, name in enumerate(spec.joints)]
         driven = [find_joint(plant, held, name, f"gripper.joints[{i}]") for i, name in enumerate(gripper.joints)]
         instances = tuple(dict.fromkeys((arm, held)))
