@@ -31,7 +31,7 @@ ADAPTER = (0.0315, 0.02)
 FINGER_LENGTH = 0.082
 FINGER_DEPTH = 0.015
 """Thickness of the finger behind the gripping face [m]."""
-PAD = (0.022, 0.017)
+PAD = (0.02, 0.02)
 """Width and height of the gripping face [m]."""
 PAD_HEIGHT = FINGER_LENGTH - PAD[1] / 2
 """Height of its center above the finger's root [m]."""
@@ -57,11 +57,8 @@ def _slab(name: str, width: float, back: float, bottom: float, top: float) -> Sh
 
 
 FINGER_SHAPES = (
-    _slab("root", 0.03, 0.023, 0.0, 0.031),
-    _slab("taper_low", 0.0265, 0.021, 0.031, 0.036),
-    _slab("taper", 0.0235, 0.0193, 0.036, 0.041),
-    _slab("taper_high", 0.0198, 0.0175, 0.041, 0.046),
-    _slab("stem", 0.017, FINGER_DEPTH, 0.046, FINGER_LENGTH - PAD[1]),
+    _slab("root", 0.03, 0.023, 0.0, 0.041),
+    _slab("stem", 0.02, 0.0175, 0.041, FINGER_LENGTH - PAD[1]),
 )
 PAD_SHAPE = Shape("pad", "box", (PAD[0], FINGER_DEPTH, PAD[1]), (0.0, FINGER_DEPTH / 2, PAD_HEIGHT))
 PAD_CONTACTS = tuple(
