@@ -55,11 +55,14 @@ def measure_fingers(bodies: RobotBodies, spec: GripperSpec, mimics: Mapping[str,
         problem = "expected a joint with position limits, got {value}"
         raise IctampError(Code.OUT_OF_RANGE, problem, field=f"gripper.joints[{number}]", value=spec.joints[number])
     measure = _Fingers(bodies, names, driven, mimics)
+    for number, (lower, upper) in enumerate(ends):
+        alone = np.tile(ends.mean(axis=1), (2, 1))
+        alone[:, number] = lower, upper
+        if np.subtract(*[measure.width(each) for each in alone]) > 0:  # its lower limit is that of the open hand
+            ends[number] = upper, lower
     shares = np.linspace(0.0, 1.0, _STEPS)[:, None]
     driven_places = (1 - shares) * ends[:, 0] + shares * ends[:, 1]
     pads = np.array([measure.pads(each) for each in driven_places])
-    if pads[0, :, 1] @ [1, -1] > pads[-1, :, 1] @ [1, -1]:  # the joints' lower limits are those of the open hand
-        driven_places, pads = driven_places[::-1], pads[::-1]
     widths = pads[:, 0, 1] - pads[:, 1, 1]
     if np.any(np.diff(widths) <= 0):
         start = int(np.argmin(widths))
@@ -108,6 +111,11 @@ class _Fingers:
         grasp = self._bodies.grasp
         poses = [plant.CalcRelativeTransform(self._context, grasp, face) for face in self._bodies.faces]
         return np.array([X.translation() for X in poses])
+
+    def width(self, driven: FloatArray) -> float:
+        """Distance between the pads along G's y axis [m]."""
+        first, second = self.pads(driven)
+        return float(first[1] - second[1])
 
 
 def measure_hand(robot: "Robot", moves: Moves) -> Hand:
