@@ -127,8 +127,8 @@ class GripperSpec:
     Attributes:
         description: Maker and type.
         model: SDF, URDF or MJCF file; empty when the arm's model contains the gripper. See `RobotSpec.model`.
-        mount: Body or frame of the gripper's model that is fixed to the flange, and its pose in the flange's frame; not used
-            without a model.
+        mount: Body or frame of the gripper's model that is fixed to the flange, and its pose there; not used without a
+            model.
         base: Body that moves with a held object.
         grasp: Grasp frame G: between the pads, x along the pads, y along the motion of the fingers towards the first
             pad, and z out of the palm.
