@@ -1,7 +1,8 @@
 """SDF of a Schunk WSG 50 with its standard fingers, written from published numbers.
 
-Stroke, force, speed, mass and the body's outline are those of Schunk's catalog (WSG 050-110). The fingers' outline
-follows its drawing of the standard finger; their mass is that of the shape in aluminum.
+Outline and mass of the body are those of Schunk's product data of the WSG 050-110; stroke, force and speed those of its
+assembly and operating manual (389474). The fingers' outline follows the drawing of the standard finger in Schunk's
+catalog, with simpler shapes; their mass is that of these shapes in aluminum.
 """
 
 import math
