@@ -56,9 +56,9 @@ def measure_fingers(bodies: RobotBodies, spec: GripperSpec, mimics: Mapping[str,
         raise IctampError(Code.OUT_OF_RANGE, problem, field=f"gripper.joints[{number}]", value=spec.joints[number])
     measure = _Fingers(bodies, names, driven, mimics)
     for number, (lower, upper) in enumerate(ends):
-        alone = np.tile(ends.mean(axis=1), (2, 1))
-        alone[:, number] = lower, upper
-        if np.subtract(*[measure.width(each) for each in alone]) > 0:  # its lower limit is that of the open hand
+        low, high = np.tile(ends.mean(axis=1), (2, 1))
+        low[number], high[number] = lower, upper
+        if measure.width(low) > measure.width(high):  # its lower limit is that of the open hand
             ends[number] = upper, lower
     shares = np.linspace(0.0, 1.0, _STEPS)[:, None]
     driven_places = (1 - shares) * ends[:, 0] + shares * ends[:, 1]
