@@ -128,12 +128,11 @@ def measure_hand(robot: "Robot", moves: Moves) -> Hand:
         disk = Cylinder(*given.disk) if given.disk else None
         return Hand(x / 2, y, z / 2, Outline(*given.finger), upper, core, disk)
     fingers, others = _bound_shapes(robot, moves)
-    low = z / 2 + max(0.0, float(np.ptp(moves.rises)))
-    beside = [points for points in fingers if points[:, 2].max() > -low]
+    beside = [points for points in fingers if points[:, 2].max() > -z / 2]
     points = np.concatenate([np.array([[x / 2, spec.opening / 2 + y, z / 2]]), *beside])
     half_width = (float(np.abs(points[:, 1]).max()) - spec.opening / 2) / 2
     finger = Outline(float(np.abs(points[:, 0]).max()), half_width, -float(points[:, 2].max()))
-    above = [points for points in fingers if points[:, 2].max() <= -low]
+    above = [points for points in fingers if points[:, 2].max() <= -z / 2]
     return Hand(x / 2, y, z / 2, finger, tuple(map(_row_around, [*others, *above])))
 
 
@@ -146,7 +145,10 @@ def _row_around(points: FloatArray) -> Row:
 
 
 def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Corners in G of boxes around the shapes of the open hand, each (8, 3) [m]: of the fingers, and of the rest."""
+    """Corners of boxes around the shapes of the open hand, each (8, 3) [m]: of the fingers, and of the rest.
+
+    They are seen from between the pads, with the axes of G.
+    """
     builder = RobotDiagramBuilder(time_step=0.0)
     plant = builder.plant()
     bodies = robot.add_to(plant, RigidTransform(), "solid")
@@ -159,12 +161,13 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
     plant.SetPositions(context, q)
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1)
     found: tuple[list[FloatArray], list[FloatArray]] = ([], [])
+    X_PG = RigidTransform([0.0, 0.0, -float(moves.rises[-1])])
     for body in bodies.turning:
-        X_GB = plant.CalcRelativeTransform(context, bodies.grasp, body.body_frame())
+        X_PB = X_PG @ plant.CalcRelativeTransform(context, bodies.grasp, body.body_frame())
         for geometry in plant.GetCollisionGeometriesForBody(body):
             box = inspector.GetObbInGeometryFrame(geometry)
-            X_GO = X_GB @ inspector.GetPoseInFrame(geometry) @ box.pose()
-            found[body not in bodies.moving].append((X_GO @ (signs * box.half_width()[:, None])).T)
+            X_PO = X_PB @ inspector.GetPoseInFrame(geometry) @ box.pose()
+            found[body not in bodies.moving].append((X_PO @ (signs * box.half_width()[:, None])).T)
     return found
 
 
