@@ -17,6 +17,7 @@ from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import FloatArray, KinematicsKind
 from ictamp_drake.models.model_text import Shapes
 from ictamp_drake.robots.bodies import (
+    IntArray,
     RobotBodies,
     add_frame,
     add_pads,
@@ -119,6 +120,11 @@ class Robot:
             measure_hand(self, moves),
             *moves,
         )
+
+    @cached_property
+    def places(self) -> IntArray:
+        """Places of arm and fingers in the positions of a plant, which the robot is the first in, shape (n + m,)."""
+        return np.concatenate([self._bare.arm, self._bare.gripper])
 
     @cached_property
     def chain(self) -> Chain:
