@@ -8,7 +8,7 @@ import numpy as np
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.robots.bodies import RobotBodies
-from ictamp_drake.robots.measure import measure_fingers
+from ictamp_drake.robots.measure import Moves, measure_fingers
 from ictamp_drake.robots.model_files import read_mimics
 from ictamp_drake.robots.robot import Robot
 
@@ -31,25 +31,28 @@ def check_gripper(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
     if not wrong:
         wrong = list(_check_opposite(X_GF))
     if not any(each.where.field == "gripper.grasp" for each in wrong):
-        moves = list(_check_moves(robot, bodies))
-        wrong = [*moves, *wrong] or list(_check_middle(robot, bodies))
+        moves, refused = _measure(robot, bodies)
+        wrong = [*refused, *wrong]
+        if moves is not None and not wrong:
+            wrong = list(_check_middle(robot, bodies, moves))
     yield from wrong
     if not X_GP[2, 3] < 0:
         problem = "expected z of the grasp frame out of the palm, but the wrist is in front of it"
         yield IctampError(Code.CONFLICT, problem, field="gripper.grasp", advice=_TURN)
 
 
-def _check_moves(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
-    """Yield mistakes of opening and closing. Where the opening is wrong, closing is tested without it."""
+def _measure(robot: Robot, bodies: RobotBodies) -> tuple[Moves | None, list[IctampError]]:
+    """Measure the fingers, and where the opening is wrong, once more with another one; return the mistakes, too."""
     spec, mimics = robot.spec.gripper, read_mimics(robot.gripper_model or robot.model)
+    problems: list[IctampError] = []
     for each in (spec, replace(spec, opening=0.01)):
         try:
-            measure_fingers(bodies, each, mimics)
-            return
+            return measure_fingers(bodies, each, mimics), problems
         except IctampError as error:
-            yield error
+            problems.append(error)
             if error.where.field != "gripper.opening":
-                return
+                break
+    return None, problems
 
 
 def _poses(bodies: RobotBodies, fingers: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -91,12 +94,11 @@ def _check_opposite(X_GF: FloatArray) -> Iterator[IctampError]:
             yield IctampError(Code.CONFLICT, problem, field="gripper.pads", advice="move one of the pads' frames")
 
 
-def _check_middle(robot: Robot, bodies: RobotBodies) -> Iterator[IctampError]:
+def _check_middle(robot: Robot, bodies: RobotBodies, moves: Moves) -> Iterator[IctampError]:
     """Yield a mistake if the grasp frame is not between the pads."""
-    places = robot.gripper.places
-    X_GF, _ = _poses(bodies, places[len(places) // 2])
+    X_GF, _ = _poses(bodies, moves.places[len(moves.places) // 2])
     x, y, _ = (X_GF[0, :3, 3] + X_GF[1, :3, 3]) / 2
-    z = min(robot.gripper.rises, key=abs)
+    z = min(moves.rises, key=abs)
     if max(abs(x), abs(y)) > _OFF or abs(z) > robot.spec.gripper.pads.size[2] / 2:
         middle = ", ".join(f"{1000 * each:.1f}" for each in (x, y, z))
         problem = f"the middle between the pads is at ({middle}) mm in the grasp frame"

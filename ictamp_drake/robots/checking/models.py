@@ -1,12 +1,13 @@
 """Checks of the files of the models: whether they are there, and whether Drake can read them with their shapes."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.planning import RobotDiagramBuilder
 
 from ictamp_drake.core.errors import Code, IctampError
@@ -16,6 +17,10 @@ from ictamp_drake.robots.spec import RobotSpec
 
 _READABLE = (".obj", ".vtk", ".gltf")
 """Kinds of meshes that Drake takes for collision."""
+_ADVICE = (
+    "convert it with python -c \"import trimesh; trimesh.load('x.stl', force='mesh').export('x.obj')\" and name the "
+    "new file in the model, or give shapes of the link in {}:"
+)
 _SIZED = frozenset({"box", "cylinder", "capsule", "sphere"})
 _SIZES = frozenset({"size", "radius", "length"})
 """Shapes and the names of their measures."""
@@ -38,54 +43,62 @@ class Models(NamedTuple):
 
 
 def find_models(spec: RobotSpec, folder: Path) -> tuple[Models | None, list[IctampError]]:
-    """Find the models of a robot file in a folder; None if one of them cannot be used."""
-    uris = {"model": spec.model, "gripper.model": spec.gripper.model}
+    """Find the models of a robot file in a folder.
+
+    Returns:
+        Files of the models, None if one of them cannot be read even without its shapes, and the mistakes.
+    """
+    uris = {"model": spec.model} | ({"gripper.model": spec.gripper.model} if spec.gripper.model else {})
+    given = {"model": frozenset(spec.collision), "gripper.model": frozenset(spec.gripper.collision)}
+    if len(uris) == 1:
+        given["model"] |= given["gripper.model"]
     found: dict[str, Path] = {}
     problems: list[IctampError] = []
     for field, uri in uris.items():
-        if not uri and field == "gripper.model":
-            continue
         try:
-            found[field] = find_model(uri, folder, field)
+            path = find_model(uri, folder, field)
+            wrong = [*_check_numbers(path, field), *_check_meshes(path, given[field], field)]
+            problems += wrong
+            if all(each.code == Code.NOT_READABLE for each in wrong):
+                add_model(MultibodyPlant(0.0), path, "visible", frozenset(), field)
+                found[field] = path
         except IctampError as error:
             problems.append(error)
-            continue
-        given = {**(spec.collision if field == "model" else {}), **spec.gripper.collision}
-        problems += list(_check_text(found[field], given, field)) or list(_check_readable(found[field], given, field))
-    if problems:
-        return None, problems
-    return Models(found["model"], found.get("gripper.model")), []
+    if not problems:
+        problems += (each for field, path in found.items() for each in _check_readable(path, given[field], field))
+    return (Models(found["model"], found.get("gripper.model")) if len(found) == len(uris) else None), problems
 
 
-def _check_readable(path: Path, given: Mapping[str, object], field: str) -> Iterator[IctampError]:
+def _check_readable(path: Path, given: frozenset[str], field: str) -> Iterator[IctampError]:
     try:
-        plant = RobotDiagramBuilder(time_step=0.0).plant()
-        add_model(plant, path, "solid", frozenset(given), field)
+        add_model(RobotDiagramBuilder(time_step=0.0).plant(), path, "solid", given, field)
     except IctampError as error:
         yield error
 
 
-def _check_text(path: Path, given: Mapping[str, object], field: str) -> Iterator[IctampError]:
-    """Yield what Drake would not explain, or not survive, in a URDF or SDF file."""
+def _read_tree(path: Path) -> ElementTree.Element | None:
+    """Return a URDF or SDF file as a tree; None for other kinds, and if it is not XML, which Drake explains."""
     if path.suffix not in (".urdf", ".sdf"):
-        return
+        return None
     try:
-        root = ElementTree.fromstring(_PREFIX.sub(r"\1", read_text(path)))
+        return ElementTree.fromstring(_PREFIX.sub(r"\1", read_text(path)))
     except ElementTree.ParseError:
-        return  # Drake, which is not as strict, says what is wrong
-    for tag, name, value in _values(root):
+        return None
+
+
+def _check_numbers(path: Path, field: str) -> Iterator[IctampError]:
+    """Yield numbers that Drake does not survive."""
+    for tag, name, value in _values(_read_tree(path)):
         is_size = (tag in _SIZED and name in _SIZES) or tag == "size"
         if tag not in _ENDLESS and not _is_sound(value, positive=is_size):
             problem = f"expected {'numbers above 0' if is_size else 'finite numbers'} in {tag}, got {{value}}"
             yield IctampError(Code.OUT_OF_RANGE, problem, field=field, value=value)
-    for link in root.iter("link"):
-        if link.get("name") not in given:
-            yield from _check_meshes(link, path.parent, field)
 
 
-def _values(root: ElementTree.Element) -> Iterator[tuple[str, str, str]]:
+def _values(root: ElementTree.Element | None) -> Iterator[tuple[str, str, str]]:
     """Yield tag, name and value of all attributes and texts, without repetitions; the name of a text is its tag."""
-    found = ((each.tag, *item) for each in root.iter() for item in (*each.items(), (each.tag, each.text or "")))
+    elements = () if root is None else root.iter()
+    found = ((each.tag, *item) for each in elements for item in (*each.items(), (each.tag, each.text or "")))
     yield from dict.fromkeys(found)
 
 
@@ -98,30 +111,22 @@ def _is_sound(value: str, *, positive: bool) -> bool:
     return all(isfinite(number) and (number > 0 or not positive) for number in numbers)
 
 
-def _check_meshes(link: ElementTree.Element, folder: Path, field: str) -> Iterator[IctampError]:
-    """Yield a mistake for each mesh for collision that Drake cannot take."""
-    meshes = [mesh for shape in link.iter("collision") for mesh in shape.iter("mesh")]
-    for uri in dict.fromkeys((mesh.get("filename") or mesh.findtext("uri") or "").strip() for mesh in meshes):
-        kind = Path(uri).suffix.lower()
-        if kind not in _READABLE:
-            problem = f"link {link.get('name')}: Drake cannot take {{value}} for collision"
-            advice = f"{_how_to_convert(uri, kind)}give shapes of the link in {_section(field)}"
-            yield IctampError(Code.NOT_READABLE, problem, field=field, value=uri, advice=advice)
-        elif not _is_there(uri, folder):
-            problem = f"link {link.get('name')}: there is no mesh {{value}}"
-            yield IctampError(Code.NOT_FOUND, problem, field=field, value=uri)
-
-
-def _how_to_convert(uri: str, kind: str) -> str:
-    name = Path(uri).name
-    if kind not in (".stl", ".dae", ".ply"):
-        return ""
-    script = f"import trimesh; trimesh.load('{name}', force='mesh').export('{Path(name).stem}.obj')"
-    return f'convert it with python -c "{script}" and name the new file in the model, or '
-
-
-def _section(field: str) -> str:
-    return "collision:" if field == "model" else "gripper.collision:"
+def _check_meshes(path: Path, given: frozenset[str], field: str) -> Iterator[IctampError]:
+    """Yield each mesh for collision that Drake cannot take, unless the file gives shapes of its link."""
+    root = _read_tree(path)
+    links = () if root is None else root.iter("link")
+    advice = _ADVICE.format("collision" if field == "model" else "gripper.collision")
+    for link in (each for each in links if each.get("name") not in given):
+        meshes = [mesh for shape in link.iter("collision") for mesh in shape.iter("mesh")]
+        for uri in dict.fromkeys((mesh.get("filename") or mesh.findtext("uri") or "").strip() for mesh in meshes):
+            name = Path(uri).name
+            if Path(uri).suffix.lower() not in _READABLE:
+                problem = f"link {link.get('name')}: Drake cannot take {{value}} for collision"
+                yield IctampError(Code.NOT_READABLE, problem, field=field, value=name, advice=advice)
+                advice = ""  # once is enough
+            elif not _is_there(uri, path.parent):
+                problem = f"link {link.get('name')}: there is no mesh {{value}}"
+                yield IctampError(Code.NOT_FOUND, problem, field=field, value=uri)
 
 
 def _is_there(uri: str, folder: Path) -> bool:

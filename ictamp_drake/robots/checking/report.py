@@ -10,6 +10,7 @@ from pydrake.planning import RobotDiagramBuilder
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import in_file, read_text
+from ictamp_drake.models.model_text import Shapes
 from ictamp_drake.robots.bodies import RobotBodies
 from ictamp_drake.robots.checking.alone import Alone
 from ictamp_drake.robots.checking.arm import check_contacts, check_direction, check_limits, check_shapes
@@ -64,12 +65,13 @@ def _check(name: str, file: Path) -> Report:
     if spec is None:
         return Report(tuple(problems))
     models, problems = find_models(spec, file.parent)
-    if models is not None:
-        problems = check_names(spec, models)
-    if models is None or problems:
+    if models is None:
         return Report(tuple(problems))
+    if wrong := check_names(spec, models):
+        return Report((*problems, *wrong))
     robot = Robot(name, spec, *models)
-    if problems := list(_check_built(robot)):
+    problems += _check_built(robot, has_shapes=not problems)
+    if problems:
         return Report(tuple(problems), robot)
     try:
         reach = measure_reach(robot)
@@ -78,10 +80,15 @@ def _check(name: str, file: Path) -> Report:
     return Report(tuple(check_reach(reach)), robot, reach)
 
 
-def _check_built(robot: Robot) -> Iterator[IctampError]:
-    """Yield what is wrong with a robot whose models have all that the file names."""
+def _check_built(robot: Robot, *, has_shapes: bool) -> Iterator[IctampError]:
+    """Yield what is wrong with a robot whose models have all that the file names.
+
+    Args:
+        robot: Robot.
+        has_shapes: Whether its shapes for contact can be read.
+    """
     try:
-        bodies = _build(robot)
+        bodies = _build(robot, "solid" if has_shapes else "visible")
     except RuntimeError as error:
         problem = f"Drake cannot build the robot: {str(error).strip().partition(chr(10))[0]}"
         yield IctampError(Code.CONFLICT, problem, field="base")
@@ -89,7 +96,8 @@ def _check_built(robot: Robot) -> Iterator[IctampError]:
     wrong = list(check_joints(robot, bodies))
     yield from wrong
     yield from check_limits(robot)
-    yield from check_shapes(robot, bodies)
+    if has_shapes:
+        yield from check_shapes(robot, bodies)
     if not wrong:
         yield from check_gripper(robot, bodies)
         yield from check_direction(robot)
@@ -97,10 +105,10 @@ def _check_built(robot: Robot) -> Iterator[IctampError]:
             yield from check_contacts(robot, Alone(robot), robot.gripper)
 
 
-def _build(robot: Robot) -> RobotBodies:
-    """Return the robot with all its shapes, in a finalized plant whose joints all move freely."""
+def _build(robot: Robot, shapes: Shapes) -> RobotBodies:
+    """Return the robot with some of its shapes, in a finalized plant whose joints all move freely."""
     plant = RobotDiagramBuilder(time_step=0.0).plant()
-    bodies = robot.add_to(plant, RigidTransform(), "solid")
+    bodies = robot.add_to(plant, RigidTransform(), shapes)
     for constraint in plant.GetConstraintIds():
         plant.RemoveConstraint(constraint)
     plant.Finalize()
