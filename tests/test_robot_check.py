@@ -10,6 +10,7 @@ import pytest
 from ictamp_drake import robot
 from ictamp_drake.core.errors import Code
 from ictamp_drake.robots.checking.report import Report, check_robot
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
 from ictamp_drake.tamp.holding import check_holding
 from ictamp_drake.viz.robot import LENGTHS, open_robot
@@ -105,8 +106,8 @@ MISTAKES: dict[str, tuple[Callable[[Content], object], set[Found]]] = {
     ),
     "joint that nothing moves": (gripper(joints=["left_joint"]), {(Code.CONFLICT, "gripper.joints")}),
     "limits": (
-        lambda c: [c.pop(name) for name in ("acceleration", "jerk", "effort")],
-        {(Code.MISSING_FIELD, name) for name in ("acceleration", "jerk", "effort")},
+        lambda c: [c.pop(name) for name in ("acceleration", "jerk")],
+        {(Code.MISSING_FIELD, "acceleration"), (Code.MISSING_FIELD, "jerk")},
     ),
     "home beyond a limit": (lambda c: c["home"].__setitem__(0, 3.0), {(Code.OUT_OF_RANGE, "home[0]")}),
     "home that does not point down": (lambda c: c.update(home=TILTED), {(Code.CONFLICT, "home")}),
@@ -142,6 +143,8 @@ def test_a_mistake_in_the_file_is_found(name: str, tmp_path: Path) -> None:
 MODELS: dict[str, tuple[Callable[[str], str], set[Found]]] = {
     "not XML": (lambda text: text[:200], {(Code.NOT_READABLE, "model")}),
     "velocity": (lambda text: text.replace('velocity="2"', ""), {(Code.MISSING_FIELD, "velocity")}),
+    "effort": (lambda text: text.replace('effort="80"', ""), {(Code.MISSING_FIELD, "effort")}),
+    "no number": (lambda text: text.replace('effort="80"', 'effort="much"'), {(Code.NOT_READABLE, "model")}),
     "mass": (
         lambda text: re.sub(r'(<link name="wrist_link">.*?)<mass.*?/>.*?</inertial>', r"\1</inertial>", text),
         set(),
@@ -218,6 +221,15 @@ def test_a_weak_hand_does_not_hold_a_box(tmp_path: Path) -> None:
     assert report.robot is not None
     assert report.problems == ()
     assert [problem.code for problem in check_holding(report.robot)] == [Code.NOT_HELD]
+
+
+def test_efforts_are_those_of_the_model_or_else_those_of_the_file(tmp_path: Path) -> None:
+    found = [find_robot(str(small.write(tmp_path, spoiled(change)))) for change in (lambda _: 0, effort_of_30)]
+    assert [set(each.effort) for each in found] == [{80.0}, {30.0}]
+
+
+def effort_of_30(content: Content) -> None:
+    content["effort"] = [30]
 
 
 JUNK = (None, "x", -1, [], {"a": 1}, float("nan"), 1e9, "hand")

@@ -2,7 +2,7 @@
 
 import importlib.util
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +21,9 @@ _URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://|/)([^"<\s]+)')
 _MIMIC = re.compile(r"<(?:drake:)?mimic\b[^>]*/>")
 _TEXTS = {".sdf": "sdf", ".urdf": "urdf"}
 """Formats whose shapes are left out by changing the text; in an MJCF file they stay."""
+
+
+_MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
 class Mimic(NamedTuple):
@@ -126,13 +129,41 @@ def _block_of(link: str) -> str:
 
 @lru_cache(maxsize=32)
 def read_mimics(path: Path) -> Mapping[str, Mimic]:
-    """Return the joints of an SDF or URDF file that follow others, by name."""
+    """Return the joints of an SDF or URDF file that follow others, by name.
+
+    Raises:
+        IctampError: A multiplier or an offset is not a number.
+    """
     found = {}
-    for block in re.findall(r"<joint\s.*?</joint>", read_text(path), re.DOTALL):
-        name, mimic = re.search(r'name="([^"]+)"', block), re.search(r"<(?:drake:)?mimic\b.*", block, re.DOTALL)
-        if name and mimic:
+    for name, block in _joints_of(path):
+        if mimic := re.search(r"<(?:drake:)?mimic\b.*", block, re.DOTALL):
             values = dict(re.findall(r'(joint|multiplier|offset)\s*(?:="|>)\s*([^"<]+)', mimic[0]))
             if "joint" in values:
-                multiplier, offset = float(values.get("multiplier", 1)), float(values.get("offset", 0))
-                found[name[1]] = Mimic(values["joint"], multiplier, offset)
+                multiplier, offset = (_to_number(values.get(key, default), path) for key, default in _MIMIC_DEFAULTS)
+                found[name] = Mimic(values["joint"], multiplier, offset)
     return found
+
+
+@lru_cache(maxsize=32)
+def read_efforts(path: Path) -> Mapping[str, float]:
+    """Return the limits of effort of a URDF file by joint. Drake takes only those of joints with a transmission."""
+    if path.suffix != ".urdf":
+        return {}
+    found = ((name, re.search(r'<limit\b[^>]*\beffort="([^"]+)"', block)) for name, block in _joints_of(path))
+    return {name: _to_number(limit[1], path) for name, limit in found if limit}
+
+
+def _joints_of(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield names and texts of the joints of an SDF or URDF file."""
+    text = re.sub(r"<!--.*?-->", "", read_text(path), flags=re.DOTALL)
+    for block in re.findall(r"<joint\s.*?</joint>", text, re.DOTALL):
+        if name := re.search(r'name="([^"]+)"', block):
+            yield name[1], block
+
+
+def _to_number(text: str, path: Path) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        problem = f"expected a number in {path.name}, got {{value}}"
+        raise IctampError(Code.NOT_READABLE, problem, field="model", value=text) from error

@@ -30,7 +30,7 @@ from ictamp_drake.robots.chain import Chain, read_chain
 from ictamp_drake.robots.choice import create_inverse_kinematics
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
-from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_mimics
+from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_efforts, read_mimics
 from ictamp_drake.robots.panda import forward as panda_forward
 from ictamp_drake.robots.panda import is_panda
 from ictamp_drake.robots.spec import DEFAULT, RobotSpec, find_file, read_robot
@@ -242,15 +242,17 @@ class Robot:
     def _actuate(self, plant: MultibodyPlant, instances: tuple[ModelInstanceIndex, ...], joints: list[Joint]) -> None:
         actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
         found = {each.joint().index(): each for each in actuators if each.model_instance() in instances}
-        if list(found) == [joint.index() for joint in joints]:
+        if list(found) == [joint.index() for joint in joints] and not self.spec.effort:
             return
         limits = {index: actuator.effort_limit() for index, actuator in found.items()}
         for actuator in found.values():
             plant.RemoveJointActuator(actuator)
-        efforts = dict(zip(self.joints, self.spec.effort, strict=False))
-        for joint in joints:
-            limit = limits.get(joint.index(), efforts.get(joint.name(), np.inf))
-            plant.AddJointActuator(f"{joint.name()}_actuator", joint, limit)
+        unused, given = read_efforts(self.model), dict(zip(self.joints, self.spec.effort, strict=False))
+        for number, joint in enumerate(joints):
+            name, limit = joint.name(), limits.get(joint.index(), np.inf)
+            if number < len(self.joints):
+                limit = given.get(name, limits.get(joint.index(), unused.get(name, np.inf)))
+            plant.AddJointActuator(f"{name}_actuator", joint, limit)
 
     def _add_shapes(self, bodies: RobotBodies, *, points: bool) -> None:
         """Add the shapes of the robot's file, and pads to fingers whose models bring none."""

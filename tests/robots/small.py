@@ -72,7 +72,6 @@ def content() -> dict[str, Any]:
         "joints": list(HEIGHT),
         "home": [0.0, 0.0, 1.6, 0.0, 1.5415926535897931, 0.0],
         "acceleration": [10],
-        "effort": [80],
         "jerk": [1000],
         "stiffness": [2000],
         "damping": [100],
