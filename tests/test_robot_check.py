@@ -8,12 +8,14 @@ from typing import Any
 import pytest
 
 from ictamp_drake import robot
-from ictamp_drake.core.errors import Code
+from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.robots.checking.report import Report, check_robot
 from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
+from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.tamp.holding import check_holding
 from ictamp_drake.viz.robot import LENGTHS, open_robot
+from ictamp_drake.world.world import World
 from tests.robots import small
 
 Content = dict[str, Any]
@@ -50,6 +52,8 @@ def pad(name: str, **changes: object) -> Callable[[Content], object]:
     return lambda content: content["gripper"]["pads"][name].update(changes)
 
 
+TABLE = SupportSpec(kind="table", position=(0.4, 0.0, 0.0))
+BOX = BoxSpec(size=(0.04, 0.04, 0.04), position=(0.4, 0.0, 0.02))
 TILTED = [0.0, 0.0, 1.6, 0.0, 1.0, 0.0]
 FOLDED = [0.0, 0.0, 2.85, 0.0, 0.2915926535897931, 0.0]
 
@@ -144,6 +148,12 @@ MODELS: dict[str, tuple[Callable[[str], str], set[Found]]] = {
     "not XML": (lambda text: text[:200], {(Code.NOT_READABLE, "model")}),
     "velocity": (lambda text: text.replace('velocity="2"', ""), {(Code.MISSING_FIELD, "velocity")}),
     "effort": (lambda text: text.replace('effort="80"', ""), {(Code.MISSING_FIELD, "effort")}),
+    "fixed to the world": (
+        lambda text: text.replace(
+            "</robot>", '<joint name="w" type="fixed"><parent link="world"/><child link="base"/></joint></robot>'
+        ),
+        {(Code.CONFLICT, "base")},
+    ),
     "no number": (lambda text: text.replace('effort="80"', 'effort="much"'), {(Code.NOT_READABLE, "model")}),
     "mass": (
         lambda text: re.sub(r'(<link name="wrist_link">.*?)<mass.*?/>.*?</inertial>', r"\1</inertial>", text),
@@ -183,7 +193,8 @@ def test_a_mistake_in_the_model_is_found(name: str, tmp_path: Path) -> None:
 
 
 def test_shapes_of_the_file_replace_a_mesh_that_drake_cannot_take(tmp_path: Path) -> None:
-    text = small.urdf().replace('<box size="0.06 0.16 0.04"/>', '<mesh filename="hand.stl"/>')
+    text = re.sub(r'(<collision>.{,40})<box size="0.06 0.16 0.04"/>', r'\1<mesh filename="hand.stl"/>', small.urdf())
+    assert text != small.urdf()
     content = small.content()
     content["gripper"]["collision"] = {"hand": [{"kind": "box", "size": [0.06, 0.16, 0.04], "position": [0, 0, 0.02]}]}
     assert find(small.write(tmp_path, content, text)) == set()
@@ -226,6 +237,14 @@ def test_a_weak_hand_does_not_hold_a_box(tmp_path: Path) -> None:
 def test_efforts_are_those_of_the_model_or_else_those_of_the_file(tmp_path: Path) -> None:
     found = [find_robot(str(small.write(tmp_path, spoiled(change)))) for change in (lambda _: 0, effort_of_30)]
     assert [set(each.effort) for each in found] == [{80.0}, {30.0}]
+
+
+@pytest.mark.parametrize("name", ["fixed to the world", "not a number", "no mesh"])
+def test_a_scene_with_a_broken_model_is_refused(name: str, tmp_path: Path) -> None:
+    file = small.write(tmp_path, model=MODELS[name][0](small.urdf()))
+    with pytest.raises(IctampError) as caught:
+        World(SceneSpec(robot=str(file), supports={"table": TABLE}, boxes={"a": BOX}, goal="(on a table)"))
+    assert caught.value.where.file == str(file)
 
 
 def effort_of_30(content: Content) -> None:

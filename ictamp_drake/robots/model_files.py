@@ -17,7 +17,7 @@ from ictamp_drake.models.model_text import Shapes, keep_shapes
 from ictamp_drake.models.package import PACKAGE_FILE, add_package
 
 _PACKAGE = re.compile(r"package://([^/\"<\s]+)")
-_URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://|/)([^"<\s]+)')
+_URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://)([^"<\s]+)')
 _MIMIC = re.compile(r"<(?:drake:)?mimic\b[^>]*/>")
 _TEXTS = {".sdf": "sdf", ".urdf": "urdf"}
 """Formats whose shapes are left out by changing the text; in an MJCF file they stay."""

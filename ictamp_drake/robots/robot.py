@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Joint, ModelInstanceIndex
+from pydrake.multibody.tree import Joint, ModelInstanceIndex, RevoluteJoint
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
@@ -25,6 +25,7 @@ from ictamp_drake.robots.bodies import (
     find_frame,
     find_joint,
     pose_of,
+    refuse_unconnected,
 )
 from ictamp_drake.robots.chain import Chain, read_chain
 from ictamp_drake.robots.choice import create_inverse_kinematics
@@ -180,10 +181,11 @@ class Robot:
     def _bare(self) -> RobotBodies:
         """The robot alone, without shapes, in a plant whose joints all move freely."""
         plant = MultibodyPlant(0.0)
-        bodies = self.add_to(plant, RigidTransform())
-        for constraint in plant.GetConstraintIds():
-            plant.RemoveConstraint(constraint)
-        plant.Finalize()
+        with refuse_unconnected():
+            bodies = self.add_to(plant, RigidTransform())
+            for constraint in plant.GetConstraintIds():
+                plant.RemoveConstraint(constraint)
+            plant.Finalize()
         return bodies
 
     def add_to(self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes = "contact") -> RobotBodies:
@@ -233,7 +235,11 @@ class Robot:
         return bodies
 
     def check(self) -> None:
-        """Raise IctampError unless the model and the file fit together."""
+        """Raise IctampError unless the model and the file fit together. `robots.checking` finds more."""
+        for number, joint in enumerate(self._bare.arm_joints):
+            if not isinstance(joint, RevoluteJoint):
+                problem, field = "expected a joint that turns, got {value}, which slides", f"joints[{number}]"
+                raise IctampError(Code.WRONG_TYPE, problem, field=field, value=joint.name())
         for number, (position, low, high) in enumerate(zip(self.home, self.lower, self.upper, strict=True)):
             check_range(f"home[{number}]", position, low, high, " rad")
         for limit in (self.velocity, self.acceleration, self.jerk, self.effort, self.gripper):

@@ -12,6 +12,7 @@ from pydrake.planning import RobotDiagramBuilder
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import read_text
+from ictamp_drake.models.model_text import Shapes
 from ictamp_drake.robots.model_files import add_model, find_model
 from ictamp_drake.robots.spec import RobotSpec
 
@@ -70,8 +71,10 @@ def find_models(spec: RobotSpec, folder: Path) -> tuple[Models | None, list[Icta
 
 
 def _check_readable(path: Path, given: frozenset[str], field: str) -> Iterator[IctampError]:
+    shapes: tuple[Shapes, ...] = ("solid", "visible")
     try:
-        add_model(RobotDiagramBuilder(time_step=0.0).plant(), path, "solid", given, field)
+        for each in shapes:
+            add_model(RobotDiagramBuilder(time_step=0.0).plant(), path, each, given, field)
     except IctampError as error:
         yield error
 

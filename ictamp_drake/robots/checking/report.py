@@ -8,10 +8,10 @@ from pathlib import Path
 from pydrake.math import RigidTransform
 from pydrake.planning import RobotDiagramBuilder
 
-from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.reading import in_file, read_text
 from ictamp_drake.models.model_text import Shapes
-from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.bodies import RobotBodies, refuse_unconnected
 from ictamp_drake.robots.checking.alone import Alone
 from ictamp_drake.robots.checking.arm import check_contacts, check_direction, check_limits, check_shapes
 from ictamp_drake.robots.checking.file import decode_all
@@ -69,15 +69,15 @@ def _check(name: str, file: Path) -> Report:
         return Report(tuple(problems))
     if wrong := check_names(spec, models):
         return Report((*problems, *wrong))
-    robot = Robot(name, spec, *models)
-    problems += _check_built(robot, has_shapes=not problems)
-    if problems:
-        return Report(tuple(problems), robot)
+    robot, reach = Robot(name, spec, *models), None
     try:
-        reach = measure_reach(robot)
+        problems += list(_check_built(robot, has_shapes=not problems))
+        if not problems:
+            reach = measure_reach(robot)
+            problems = check_reach(reach)
     except IctampError as error:
-        return Report((error,), robot)
-    return Report(tuple(check_reach(reach)), robot, reach)
+        return Report((*problems, error))
+    return Report(tuple(problems), robot, reach)
 
 
 def _check_built(robot: Robot, *, has_shapes: bool) -> Iterator[IctampError]:
@@ -87,12 +87,7 @@ def _check_built(robot: Robot, *, has_shapes: bool) -> Iterator[IctampError]:
         robot: Robot.
         has_shapes: Whether its shapes for contact can be read.
     """
-    try:
-        bodies = _build(robot, "solid" if has_shapes else "visible")
-    except RuntimeError as error:
-        problem = f"Drake cannot build the robot: {str(error).strip().partition(chr(10))[0]}"
-        yield IctampError(Code.CONFLICT, problem, field="base")
-        return
+    bodies = _build(robot, "solid" if has_shapes else "visible")
     wrong = list(check_joints(robot, bodies))
     yield from wrong
     yield from check_limits(robot)
@@ -108,8 +103,9 @@ def _check_built(robot: Robot, *, has_shapes: bool) -> Iterator[IctampError]:
 def _build(robot: Robot, shapes: Shapes) -> RobotBodies:
     """Return the robot with some of its shapes, in a finalized plant whose joints all move freely."""
     plant = RobotDiagramBuilder(time_step=0.0).plant()
-    bodies = robot.add_to(plant, RigidTransform(), shapes)
-    for constraint in plant.GetConstraintIds():
-        plant.RemoveConstraint(constraint)
-    plant.Finalize()
+    with refuse_unconnected():
+        bodies = robot.add_to(plant, RigidTransform(), shapes)
+        for constraint in plant.GetConstraintIds():
+            plant.RemoveConstraint(constraint)
+        plant.Finalize()
     return bodies
