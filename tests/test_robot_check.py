@@ -152,6 +152,10 @@ MODELS: dict[str, tuple[Callable[[str], str], set[Found]]] = {
         lambda text: text.replace(
             "</robot>", '<joint name="w" type="fixed"><parent link="world"/><child link="base"/></joint></robot>'
         ),
+        set(),
+    ),
+    "two roots": (
+        lambda text: text.replace("</robot>", small.link("loose", (1, 1, 1)) + "</robot>"),
         {(Code.CONFLICT, "base")},
     ),
     "no number": (lambda text: text.replace('effort="80"', 'effort="much"'), {(Code.NOT_READABLE, "model")}),
@@ -239,7 +243,7 @@ def test_efforts_are_those_of_the_model_or_else_those_of_the_file(tmp_path: Path
     assert [set(each.effort) for each in found] == [{80.0}, {30.0}]
 
 
-@pytest.mark.parametrize("name", ["fixed to the world", "not a number", "no mesh"])
+@pytest.mark.parametrize("name", ["not XML", "velocity", "no mesh"])
 def test_a_scene_with_a_broken_model_is_refused(name: str, tmp_path: Path) -> None:
     file = small.write(tmp_path, model=MODELS[name][0](small.urdf()))
     with pytest.raises(IctampError) as caught:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pydrake.multibody.parsing import PackageMap, Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.tree import ModelInstanceIndex, WeldJoint
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import read_text
@@ -105,7 +105,23 @@ def add_model(
     if len(instances) != 1:
         problem = f"expected one model in {{value}}, got {len(instances)}"
         raise IctampError(Code.WRONG_LENGTH, problem, field=field, value=path.name)
+    _release(plant, instances[0], path, field)
     return instances[0]
+
+
+def _release(plant: MultibodyPlant, instance: ModelInstanceIndex, path: Path, field: str) -> None:
+    """Remove what fixes a model to the world, as all models in MJCF and some in URDF are: the scene says where it is.
+
+    Raises:
+        IctampError: Drake removes no joints beside the constraints of the model.
+    """
+    for joint in map(plant.get_joint, plant.GetJointIndices(instance)):
+        if isinstance(joint, WeldJoint) and joint.parent_body() == plant.world_body():
+            try:
+                plant.RemoveJoint(joint)
+            except RuntimeError as error:
+                problem = "expected a model that is not fixed to the world, got {value}"
+                raise IctampError(Code.CONFLICT, problem, field=field, value=path.name) from error
 
 
 @lru_cache(maxsize=32)

@@ -34,6 +34,7 @@ def check_holding(robot: Robot) -> Iterator[IctampError]:
     try:
         prepare(scene)
     except IctampError as error:
+        file = find_file(robot.name)
         problem = f"the hand does not hold a box of {1000 * side:.0f} mm and {_MASS:g} kg at home: {error.problem}"
         advice = "try other values of gripper.stiffness, gripper.force and pads"
-        yield IctampError(Code.NOT_HELD, problem, field="gripper", file=find_file(robot.name), advice=advice)
+        yield IctampError(Code.NOT_HELD, problem, field="gripper", file=file, value=error.value, advice=advice)

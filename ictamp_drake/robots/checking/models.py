@@ -74,7 +74,7 @@ def _check_readable(path: Path, given: frozenset[str], field: str) -> Iterator[I
     shapes: tuple[Shapes, ...] = ("solid", "visible")
     try:
         for each in shapes:
-            add_model(RobotDiagramBuilder(time_step=0.0).plant(), path, each, given, field)
+            add_model(RobotDiagramBuilder(time_step=0.001).plant(), path, each, given, field)
     except IctampError as error:
         yield error
 
