@@ -204,6 +204,16 @@ def test_shapes_of_the_file_replace_a_mesh_that_drake_cannot_take(tmp_path: Path
     assert find(small.write(tmp_path, content, text)) == set()
 
 
+def test_a_model_in_mjcf_is_the_same_robot(tmp_path: Path) -> None:
+    (tmp_path / "small.xml").write_text(small.mjcf(), encoding="utf-8")
+    file = small.write(tmp_path, spoiled(lambda c: c.update(model="small.xml")))
+    assert find(file) == {(Code.MISSING_FIELD, "velocity"), (Code.MISSING_FIELD, "effort")}
+    content = spoiled(lambda c: c.update(model="small.xml", velocity=[2], effort=[80]))
+    found = check_robot(str(small.write(tmp_path, content)))
+    assert found.problems == ()
+    assert found.reach == check_robot(str(small.write(tmp_path))).reach
+
+
 def test_mistakes_name_file_and_line_and_the_program_ends_with_2(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -48,6 +48,28 @@ def urdf() -> str:
     return f'<robot name="small">\n{text}</robot>\n'
 
 
+def mjcf() -> str:
+    """The same robot in MJCF, which has no limits of velocity, nor of effort without actuators."""
+
+    def body(name: str, z: float, size: Sequence[float], middle: float, joint: str = "") -> str:
+        x, y, height = size
+        shape = f'<geom type="box" size="{x / 2} {y / 2} {height / 2}" pos="0 0 {middle}" mass="0.5"/>'
+        return f'<body name="{name}" pos="0 0 {z}">{joint}{shape}'
+
+    text = body("base", 0.0, (0.12, 0.12, 0.08), 0.04)
+    for (name, height), length in zip(HEIGHT.items(), LENGTHS, strict=True):
+        hinge = f'<joint name="{name}" type="hinge" axis="{AXES[name]}" limited="true" range="-2.9 2.9"/>'
+        text += body(f"{name}_link", height, (0.05, 0.05, length), length / 2, hinge)
+    text += body("hand", 0.03, (0.06, 0.16, 0.04), 0.02)
+    for name, sign in (("left", 1), ("right", -1)):
+        slide = f'<joint name="{name}_joint" type="slide" axis="0 {sign} 0" limited="true" range="0 0.04"/>'
+        finger = body(f"{name}_finger", 0.045, (0.02, 0.012, 0.06), 0.03, slide)
+        text += finger.replace('pos="0 0', f'pos="0 {0.006 * sign}', 1) + "</body>"
+    text += "</body>" * (len(HEIGHT) + 2)
+    compiler = '<compiler angle="radian"/>'
+    return f'<mujoco model="small">{compiler}<worldbody>{text}</worldbody></mujoco>'
+
+
 def content() -> dict[str, Any]:
     """Content of the robot file."""
     pads = {
