@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ictamp_drake.models
-from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
+from ictamp_drake.viz.triangles import box, capsule, cylinder, polygons, read_gltf
 
 
 def volume(triangles: np.ndarray) -> float:
@@ -40,3 +40,13 @@ def test_a_link_stands_upright_in_its_color() -> None:
     assert volume(triangles) > 0
     assert color.shape == (3,)
     assert color.min() > 0.5
+
+
+def test_a_polygon_becomes_a_fan_of_triangles() -> None:
+    angles = np.arange(6) * np.pi / 3
+    hexagon = np.stack([np.cos(angles), np.sin(angles), np.zeros(6)], axis=1)
+    triangles = polygons([hexagon, hexagon[:3]])
+    area = np.linalg.norm(np.cross(*(triangles[:, i] - triangles[:, 0] for i in (1, 2))), axis=1) / 2
+    assert len(triangles) == 5
+    assert area[:4].sum() == pytest.approx(3 * np.sqrt(3) / 2)
+    assert polygons([]).shape == (0, 3, 3)
