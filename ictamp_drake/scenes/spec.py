@@ -20,7 +20,7 @@ from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.things import SUPPORTS, read_thing
-from ictamp_drake.robots.spec import DEFAULT, is_robot_file
+from ictamp_drake.robots.spec import DEFAULT, is_robot_file, read_robot
 from ictamp_drake.scenes.regions import Area, PoseSpec, RegionSpec, check_areas
 
 if TYPE_CHECKING:
@@ -237,7 +237,18 @@ def load_scene(path: Path | str) -> SceneSpec:
     """
     with in_file(path):
         spec = decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
-    return replace(spec, robot=locate_robot(spec.robot, Path(path).parent))
+        spec = replace(spec, robot=locate_robot(spec.robot, Path(path).parent))
+        check_widths(spec)
+    return spec
+
+
+def check_widths(spec: SceneSpec) -> None:
+    """Raise IctampError unless every box has a horizontal side that fits between the fingers of the robot."""
+    widest = read_robot(spec.robot).gripper.widest
+    for name, box in spec.boxes.items():
+        if box.width > widest:
+            problem = f"expected a horizontal side of at most {widest:g} m for the gripper, got {{value}}"
+            raise IctampError(Code.TOO_WIDE, problem, field=f"boxes.{name}.size", value=box.size)
 
 
 def locate_robot(robot: str, folder: Path) -> str:
