@@ -35,12 +35,18 @@ _BLAMED = 10
 
 
 class Sweep:
-    """Sweeps over the grasps and placements in a scene."""
+    """Sweeps over the grasps and placements in a scene.
+
+    They take for granted that the first joint turns the arm about the vertical, that the last one turns the hand about
+    its own axis, and that no posture is missed. For other arms, and with numeric inverse kinematics, a sweep says
+    nothing: it returns None.
+    """
 
     def __init__(self, world: World, motion: MotionConfig, pick: PickConfig, place: PlaceConfig) -> None:
-        kinematics = replace(motion.kinematics, attempts=_ATTEMPTS)
+        kinematics, robot = replace(motion.kinematics, attempts=_ATTEMPTS), world.robot
         self._world, self._pick, self._place = world, pick, place
-        self._arm = ArmKinematics(world.robot, to_transform(world.spec.arm.X_WB), kinematics)
+        self._arm = ArmKinematics(robot, to_transform(world.spec.arm.X_WB), kinematics)
+        self._knows = self._arm.is_sure and bool(robot.waist and robot.wrist)
         self._scene = CollisionScene(world, motion.held_shrinkage, 0.0)
         self._lines = Lines(self._arm, self._scene)
         self._columns = Columns(world, self._arm)
@@ -53,7 +59,7 @@ class Sweep:
 
         Returns:
             Number of grasps by the support in their way; OUT_OF_REACH for those out of reach. None if a grasp is
-            free, if there are too many to test, or if the box is tilted.
+            free, if there are too many to test, if the box is tilted, or if the arm is not one that can be swept.
         """
         is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_MAX_TILT)
         return self._refuse(GraspGrid(self._world, self._lines, self._pick, c, box)) if is_level else None
@@ -63,6 +69,8 @@ class Sweep:
         return self._refuse(PlacementGrid(self._world, self._lines, self._place, c=c, box=box, face=face))
 
     def _refuse(self, grid: Grid) -> Counter[str] | None:
+        if not self._knows:
+            return None
         self._allowed = self._left // 2
         before = self._allowed
         try:
