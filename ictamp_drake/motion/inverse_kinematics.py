@@ -12,7 +12,7 @@ from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.config import KinematicsConfig
 from ictamp_drake.robots.bodies import RobotBodies
-from ictamp_drake.robots.chain import turn_near
+from ictamp_drake.robots.chain import ROUNDING, turn_into, turn_near
 from ictamp_drake.robots.choice import free_angles
 from ictamp_drake.robots.robot import Robot
 from ictamp_drake.world.matrices import grasps
@@ -138,6 +138,16 @@ class ArmKinematics:
         """
         limits = self._limits_without(-1)
         return self._postures(X_WG, self._grid(limits, self.config.last_step), limits)
+
+    def joints_beyond_limits(self, X_WG: RigidTransform) -> NDArray[np.bool_]:
+        """Which joints are beyond their limits, in each known posture with G at X_WG if no joint had limits.
+
+        Returns:
+            Shape (m, n).
+        """
+        none = np.tile([[-np.inf], [np.inf]], len(self.lower))
+        found = turn_into(self._postures(X_WG, self._grid(none, self.config.last_step), none), self._limits)
+        return (found < self.lower - ROUNDING) | (found > self.upper + ROUNDING)
 
     def is_within_reach(self, radius: FloatArray, height: float) -> NDArray[np.bool_]:
         """Whether the arm, if its first and last joint had no limits, could bring G there with the hand pointing down.

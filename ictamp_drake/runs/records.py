@@ -71,6 +71,8 @@ class Record:
             a sweep found to be impossible.
         obstacles: Number of parameters k with which the arm or the held box would have touched an obstacle, by
             obstacle, for each of these actions.
+        beyond: Number of parameters k for which the arm has no posture, by the joint whose limits are in the way, for
+            each of these actions; an empty name is out of reach. Only some k are looked at if there are many.
         error: Traceback when the problem broke down. Otherwise None.
         load: Load averages of the machine over 1, 5 and 15 minutes at the end.
     """
@@ -100,6 +102,7 @@ class Record:
     replay_time_s: float | None = None
     blocked: dict[str, dict[str, int]] = field(default_factory=dict)
     obstacles: dict[str, dict[str, int]] = field(default_factory=dict)
+    beyond: dict[str, dict[str, int]] = field(default_factory=dict)
     error: str | None = None
     load: tuple[float, ...] = field(default_factory=os.getloadavg)
 
@@ -112,7 +115,10 @@ class Record:
     def explanation(self) -> Explanation:
         """Explanation of why the search ended."""
         swept = self.stop_reason == StopReason.IMPOSSIBLE.name
-        blocked = (Blocked(a, _causes(counts), self.obstacles.get(a, {}), swept) for a, counts in self.blocked.items())
+        blocked = (
+            Blocked(a, _causes(counts), self.obstacles.get(a, {}), swept, self.beyond.get(a, {}))
+            for a, counts in self.blocked.items()
+        )
         return Explanation(
             stop_reason=self.stop_reason,
             blocked=tuple(blocked),
@@ -138,7 +144,7 @@ def run_name(problem: str, strategy: str, seed: int) -> str:
 
 def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: "Solution") -> Record:
     """The record of a search that came to its end."""
-    result = solution.result
+    result, explanation = solution.result, solution.explain()
     plan = result.plan if result.solved else None
     before = solution.planning_time_s - result.planning_time_s
     found = zip(solution.plans, result.found, strict=True) if solution.method.improve else ()
@@ -167,10 +173,11 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
             **{stage: _round_seconds(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
         found=tuple((len(p), *map(_round_seconds, (p.duration, before + each.seconds))) for p, each in found),
-        stuck=solution.explain().stuck,
+        stuck=explanation.stuck,
         replay_time_s=None if solution.execution_time_s is None else _round_seconds(solution.execution_time_s),
         blocked={str(report.action): _to_names(report.refusals) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
+        beyond={blocked.action: dict(blocked.beyond) for blocked in explanation.blocked if blocked.beyond},
     )
 
 
