@@ -18,6 +18,7 @@ from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.planning.result import StopReason
 from ictamp_drake.tamp.explanation import Blocked, Explanation
+from ictamp_drake.tamp.torque_use import TorqueUse
 
 if TYPE_CHECKING:
     from ictamp_drake.tamp.solve import Solution
@@ -65,6 +66,7 @@ class Record:
             of its motions [s], and the planning time until then [s]. `plan_length` and `plan_duration_s` are those of
             the last one, the best. All other times and counts end with the first one.
         stuck: Whether boxes were in the way of blocked actions, and the planner never asks for plans that move them.
+        torque: Largest share of a joint's torque limit that the plan uses. None when unsolved.
         replay_time_s: Computing time of one execution of the found plan [s]. None when unsolved. Earlier versions
             executed the plan a second time for this, with the whole scene awake and recorded.
         blocked: Number of rejected parameters k by cause, for each action that was tried and never succeeded, or that
@@ -99,6 +101,7 @@ class Record:
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
     found: tuple[tuple[float, ...], ...] = ()
     stuck: bool = False
+    torque: TorqueUse | None = None
     replay_time_s: float | None = None
     blocked: dict[str, dict[str, int]] = field(default_factory=dict)
     obstacles: dict[str, dict[str, int]] = field(default_factory=dict)
@@ -174,6 +177,7 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         },
         found=tuple((len(p), *map(_round_seconds, (p.duration, before + each.seconds))) for p, each in found),
         stuck=explanation.stuck,
+        torque=solution.plan.torque if solution.plan is not None else None,
         replay_time_s=None if solution.execution_time_s is None else _round_seconds(solution.execution_time_s),
         blocked={str(report.action): _to_names(report.refusals) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
