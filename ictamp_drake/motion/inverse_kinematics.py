@@ -140,7 +140,7 @@ class ArmKinematics:
         return self._postures(X_WG, self._grid(limits, self.config.last_step), limits)
 
     def joints_beyond_limits(self, X_WG: RigidTransform) -> NDArray[np.bool_]:
-        """Which joints are beyond their limits, in each known posture with G at X_WG if no joint had limits.
+        """Find the joints beyond their limits, in each posture with G at X_WG that is known when no joint has limits.
 
         Returns:
             Shape (m, n).

@@ -19,11 +19,6 @@ if TYPE_CHECKING:
 
 _PARAMETERS = {"pick": "grasp", "place": "placement"}
 _GRID = f"on a grid of {1000 * GRID_STEP:g} mm and {GRID_TURN:g} deg"
-_SWEPT: Mapping[Cause, str] = {
-    Failure.NO_INVERSE_KINEMATICS: "out of reach",
-    Failure.GOAL_IN_COLLISION: "in collision",
-}
-"""Words for causes in a sweep, which tests all parameters on a grid and all postures of the arm."""
 _SLOW_GENERATOR = 0.25
 """Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
@@ -64,16 +59,18 @@ class Blocked:
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameter")
         if self.swept:
-            causes = {_SWEPT.get(cause, cause): count for cause, count in self.refusals.items()}
+            beyond = " or ".join(self._limits) or _describe("")
+            words = {Failure.NO_INVERSE_KINEMATICS: beyond, Failure.GOAL_IN_COLLISION: "in collision"}
+            causes: dict[Cause, int] = {words.get(cause, cause): count for cause, count in self.refusals.items()}
             return f"no {what} {_GRID}: {total} of {total} refused: {list_causes(causes)}"
-        return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}{self._limits}"
+        listed = ", ".join(f"{count} {words}" for words, count in self._limits.items())
+        limits = f" ({listed})" if listed else ""
+        return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}{limits}"
 
     @property
-    def _limits(self) -> str:
-        """E.g., " (30 out of reach, 8 beyond the limits of panda_joint6)"; empty if nothing is known."""
-        most = Counter(self.beyond).most_common(SHOWN)
-        words = [f"{count} {f'beyond the limits of {joint}' if joint else 'out of reach'}" for joint, count in most]
-        return f" ({', '.join(words)})" if words else ""
+    def _limits(self) -> dict[str, int]:
+        """Number of k out of reach and beyond the limits of each joint in words, the most frequent first."""
+        return {_describe(joint): count for joint, count in Counter(self.beyond).most_common(SHOWN)}
 
     def __str__(self) -> str:
         """E.g., "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
@@ -236,6 +233,10 @@ def _count_beyond(result: PlanningResult[Any], scene: "SceneSpec") -> "dict[Acti
 
     reach = Reach(scene)
     return {action: reach.count(poses) for action, poses in unreached.items()}
+
+
+def _describe(joint: str) -> str:
+    return f"beyond the limits of {joint}" if joint else "out of reach"
 
 
 def list_causes(causes: Mapping[Cause, int]) -> str:

@@ -1,4 +1,4 @@
-"""How much of its torque limits an arm uses in a plan."""
+"""Share of its torque limits that an arm uses in a plan."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -97,3 +97,19 @@ def test_records_hold_what_explanations_say(tmp_path: Path) -> None:
     append(record_of("far", "", None, 0, solution), tmp_path / "records.jsonl")
     (record,) = read_records(tmp_path / "records.jsonl").values()
     assert record.explanation.blocked == solution.explain().blocked
+
+
+def test_a_sweep_tells_out_of_reach_from_limits_of_joints(stiff: str) -> None:
+    far = ict.solve(ict.load(far_scene("panda"))).explain()
+    near = SceneSpec(
+        supports={"table": SupportSpec("table", (0.3, 0.0, 0.0))},
+        boxes={"cup": BoxSpec((0.05, 0.05, 0.05), (0.57, 0.0, 0.025))},
+        goal="(in-hand cup)",
+        robot=stiff,
+    )
+    limited = ict.solve(ict.load(near)).explain()
+    for explanation, cause in ((far, OUT_OF_REACH), (limited, "elbow")):
+        (blocked,) = explanation.blocked
+        assert blocked.swept
+        assert set(blocked.beyond) == {cause}
+        assert cause in blocked.refused
