@@ -69,9 +69,9 @@ class Sweep:
             free, if there are too many to test, if the box is tilted, or if the arm is not one that can be swept.
         """
         is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_MAX_TILT)
-        return (
-            self._refuse(("pick", box), GraspGrid(self._world, self._lines, self._pick, c, box)) if is_level else None
-        )
+        if not is_level:
+            return None
+        return self._refuse(("pick", box), GraspGrid(self._world, self._lines, self._pick, c, box))
 
     def refuse_placements(self, c: Configuration, box: str, face: Face) -> Counter[str] | None:
         """Count the refused placements of a box on a face, held in any grasp; see `refuse_grasps`."""

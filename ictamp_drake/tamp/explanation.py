@@ -63,14 +63,13 @@ class Blocked:
             words = {Failure.NO_INVERSE_KINEMATICS: beyond, Failure.GOAL_IN_COLLISION: "in collision"}
             causes: dict[Cause, int] = {words.get(cause, cause): count for cause, count in self.refusals.items()}
             return f"no {what} {_GRID}: {total} of {total} refused: {list_causes(causes)}"
-        listed = ", ".join(f"{count} {words}" for words, count in self._limits.items())
-        limits = f" ({listed})" if listed else ""
+        limits = f" ({' or '.join(self._limits)})" if self._limits else ""
         return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}{limits}"
 
     @property
-    def _limits(self) -> dict[str, int]:
-        """Number of k out of reach and beyond the limits of each joint in words, the most frequent first."""
-        return {_describe(joint): count for joint, count in Counter(self.beyond).most_common(SHOWN)}
+    def _limits(self) -> list[str]:
+        """Out of reach, and limits of joints, in words, the most frequent first."""
+        return [_describe(joint) for joint, _ in Counter(self.beyond).most_common(SHOWN)]
 
     def __str__(self) -> str:
         """E.g., "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
