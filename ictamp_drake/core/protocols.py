@@ -76,6 +76,10 @@ class InverseKinematics(Protocol):
     def free(self) -> int | None:
         """Index of the joint whose angles the caller chooses, or None: an arm of seven joints has one too many."""
 
+    @property
+    def finds_all(self) -> bool:
+        """Whether no posture at the given angles is missed, so that a pose without one is out of reach."""
+
     def postures(
         self, X_BG: FloatArray, angles: FloatArray, limits: FloatArray, /
     ) -> tuple[FloatArray, NDArray[np.intp]]:
