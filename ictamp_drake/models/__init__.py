@@ -1,1 +1,1 @@
-"""Robot, supports and boxes: SDF files written by `python -m tools.panda.write`, and their constants."""
+"""Robot, supports and boxes: SDF files written by `python -m tools.write`, and their constants."""

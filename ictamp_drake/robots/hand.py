@@ -1,4 +1,4 @@
-"""Measures of a hand with two fingers, as seen from its grasp frame G. All lengths are in m.
+"""Measures of a hand with two fingers, as seen from its grasp frame G, between the pads. All lengths are in m.
 
 x of G is along the pads, y along the motion of the fingers, and z points out of the palm, down when the hand points
 down.

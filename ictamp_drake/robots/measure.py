@@ -55,11 +55,14 @@ def measure_fingers(bodies: RobotBodies, spec: GripperSpec, mimics: Mapping[str,
         problem = "expected a joint with position limits, got {value}"
         raise IctampError(Code.OUT_OF_RANGE, problem, field=f"gripper.joints[{number}]", value=spec.joints[number])
     measure = _Fingers(bodies, names, driven, mimics)
+    for number, (lower, upper) in enumerate(ends):
+        low, high = np.tile(ends.mean(axis=1), (2, 1))
+        low[number], high[number] = lower, upper
+        if measure.width(low) > measure.width(high):  # its lower limit is that of the open hand
+            ends[number] = upper, lower
     shares = np.linspace(0.0, 1.0, _STEPS)[:, None]
     driven_places = (1 - shares) * ends[:, 0] + shares * ends[:, 1]
     pads = np.array([measure.pads(each) for each in driven_places])
-    if pads[0, :, 1] @ [1, -1] > pads[-1, :, 1] @ [1, -1]:  # the joints' lower limits are those of the open hand
-        driven_places, pads = driven_places[::-1], pads[::-1]
     widths = pads[:, 0, 1] - pads[:, 1, 1]
     if np.any(np.diff(widths) <= 0):
         start = int(np.argmin(widths))
@@ -109,6 +112,11 @@ class _Fingers:
         poses = [plant.CalcRelativeTransform(self._context, grasp, face) for face in self._bodies.faces]
         return np.array([X.translation() for X in poses])
 
+    def width(self, driven: FloatArray) -> float:
+        """Distance between the pads along G's y axis [m]."""
+        first, second = self.pads(driven)
+        return float(first[1] - second[1])
+
 
 def measure_hand(robot: "Robot", moves: Moves) -> Hand:
     """Return the measures of the hand, those of the file or else from bounding boxes of the model's shapes."""
@@ -120,12 +128,11 @@ def measure_hand(robot: "Robot", moves: Moves) -> Hand:
         disk = Cylinder(*given.disk) if given.disk else None
         return Hand(x / 2, y, z / 2, Outline(*given.finger), upper, core, disk)
     fingers, others = _bound_shapes(robot, moves)
-    low = z / 2 + max(0.0, float(np.ptp(moves.rises)))
-    beside = [points for points in fingers if points[:, 2].max() > -low]
+    beside = [points for points in fingers if points[:, 2].max() > -z / 2]
     points = np.concatenate([np.array([[x / 2, spec.opening / 2 + y, z / 2]]), *beside])
     half_width = (float(np.abs(points[:, 1]).max()) - spec.opening / 2) / 2
     finger = Outline(float(np.abs(points[:, 0]).max()), half_width, -float(points[:, 2].max()))
-    above = [points for points in fingers if points[:, 2].max() <= -low]
+    above = [points for points in fingers if points[:, 2].max() <= -z / 2]
     return Hand(x / 2, y, z / 2, finger, tuple(map(_row_around, [*others, *above])))
 
 
@@ -138,7 +145,10 @@ def _row_around(points: FloatArray) -> Row:
 
 
 def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Corners in G of boxes around the shapes of the open hand, each (8, 3) [m]: of the fingers, and of the rest."""
+    """Corners of boxes around the shapes of the open hand, each (8, 3) [m]: of the fingers, and of the rest.
+
+    They are seen from between the pads, with the axes of G.
+    """
     builder = RobotDiagramBuilder(time_step=0.0)
     plant = builder.plant()
     bodies = robot.add_to(plant, RigidTransform(), "solid")
@@ -151,12 +161,13 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
     plant.SetPositions(context, q)
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1)
     found: tuple[list[FloatArray], list[FloatArray]] = ([], [])
+    X_PG = RigidTransform([0.0, 0.0, -float(moves.rises[-1])])
     for body in bodies.turning:
-        X_GB = plant.CalcRelativeTransform(context, bodies.grasp, body.body_frame())
+        X_PB = X_PG @ plant.CalcRelativeTransform(context, bodies.grasp, body.body_frame())
         for geometry in plant.GetCollisionGeometriesForBody(body):
             box = inspector.GetObbInGeometryFrame(geometry)
-            X_GO = X_GB @ inspector.GetPoseInFrame(geometry) @ box.pose()
-            found[body not in bodies.moving].append((X_GO @ (signs * box.half_width()[:, None])).T)
+            X_PO = X_PB @ inspector.GetPoseInFrame(geometry) @ box.pose()
+            found[body not in bodies.moving].append((X_PO @ (signs * box.half_width()[:, None])).T)
     return found
 
 

@@ -18,6 +18,7 @@ from ictamp_drake.models.package import PACKAGE_FILE, add_package
 
 _PACKAGE = re.compile(r"package://([^/\"<\s]+)")
 _URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://|/)([^"<\s]+)')
+_MIMIC = re.compile(r"<(?:drake:)?mimic\b[^>]*/>")
 _TEXTS = {".sdf": "sdf", ".urdf": "urdf"}
 """Formats whose shapes are left out by changing the text; in an MJCF file they stay."""
 
@@ -90,6 +91,8 @@ def add_model(
     parser.SetAutoRenaming(True)
     kind = _TEXTS.get(path.suffix)
     text = _read_model(path, shapes, without) if kind else read_text(path)
+    if not plant.time_step():  # a continuous plant has no constraints, and Drake would warn of each
+        text = _MIMIC.sub("", text)
     _add_installed(parser.package_map(), [text], field)
     try:
         instances = parser.AddModelsFromString(text, kind) if kind else parser.AddModels(path)

@@ -1,6 +1,5 @@
 """An arm with a gripper, built from its file. Everything that must know the robot of a scene asks it here."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -99,9 +98,8 @@ class Robot:
         return self._limit("effort", [limits[name] for name in self.joints])
 
     def _limit(self, name: str, found: "list[float] | FloatArray") -> FloatArray:
-        """Return the model's limits, or those of the file where the model has none."""
-        given = getattr(self.spec, name) or (np.inf,) * len(self.joints)
-        limits = np.where(np.isfinite(found), found, given)
+        """Return the limits of the file, or those of the model if the file has none."""
+        limits = np.array(getattr(self.spec, name) or found)
         if not np.all(np.isfinite(limits)):
             joint = self.joints[int(np.argmin(np.isfinite(limits)))]
             problem = f"the model has no {name} limit of {joint}, so the file must give one for each joint"
@@ -188,15 +186,16 @@ class Robot:
         The plant has actuators of the joints that are commanded and no others. Call `filter` once it is finalized.
         """
         spec, gripper = self.spec, self.spec.gripper
-        arm = held = add_model(plant, self.model, shapes, _overridden(spec.collision, gripper.collision), "model")
+        arm_without = frozenset(spec.collision) | (frozenset() if self.gripper_model else frozenset(gripper.collision))
+        arm = held = add_model(plant, self.model, shapes, arm_without, "model")
         base = find_frame(plant, arm, spec.base, "base")
         plant.WeldFrames(plant.world_frame(), base, X_WB)
         if self.gripper_model is not None and gripper.mount is not None:
             field = "gripper.model"
-            held = add_model(plant, self.gripper_model, shapes, _overridden(gripper.collision), field)
+            held = add_model(plant, self.gripper_model, shapes, frozenset(gripper.collision), field)
             flange = find_frame(plant, arm, spec.flange, "flange")
             mount = find_frame(plant, held, gripper.mount.frame, "gripper.mount.frame")
-            plant.WeldFrames(flange, mount, pose_of(gripper.mount).inverse())
+            plant.WeldFrames(flange, mount, pose_of(gripper.mount))
         arm_joints = [find_joint(plant, arm, name, f"joints[{i}]") for i, name in enumerate(spec.joints)]
         driven = [find_joint(plant, held, name, f"gripper.joints[{i}]") for i, name in enumerate(gripper.joints)]
         instances = tuple(dict.fromkeys((arm, held)))
@@ -220,6 +219,9 @@ class Robot:
             arm_joints=tuple(arm_joints),
             driven=tuple(driven),
         )
+        for joint in bodies.finger_joints:
+            if gripper.joint_damping is not None:
+                joint.set_default_damping(gripper.joint_damping)
         if plant.geometry_source_is_registered() and shapes != "visible":
             self._add_shapes(bodies, points=shapes == "contact")
         return bodies
@@ -271,6 +273,10 @@ class Robot:
                     problem, field = "there is no body {value}", f"touching[{number}]"
                     raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=shapes)
             manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes[first], shapes[second]))
+        if self.gripper.shares is None:  # the bars of a linkage overlap
+            moving = [shape for body in bodies.moving for shape in plant.GetCollisionGeometriesForBody(body)]
+            base = plant.GetCollisionGeometriesForBody(bodies.hand)
+            manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet([*moving, *base])))
 
     @cached_property
     def touching(self) -> tuple[tuple[str, str], ...]:
@@ -282,10 +288,6 @@ def _align(axis: FloatArray, other: FloatArray) -> float:
     """Return 1 or -1 if an axis is along another one or against it, else 0."""
     cosine = float(axis @ other)
     return float(np.sign(cosine)) if abs(cosine) > 1 - _ALIGNED else 0.0
-
-
-def _overridden(*shapes: Mapping[str, object]) -> frozenset[str]:
-    return frozenset(name for each in shapes for name in each)
 
 
 def _freeze(values: object) -> FloatArray:

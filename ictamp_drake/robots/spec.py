@@ -127,7 +127,8 @@ class GripperSpec:
     Attributes:
         description: Maker and type.
         model: SDF, URDF or MJCF file; empty when the arm's model contains the gripper. See `RobotSpec.model`.
-        mount: Body or frame of the gripper's model that is fixed to the flange, and where; not used without a model.
+        mount: Body or frame of the gripper's model that is fixed to the flange, and its pose there; not used without a
+            model.
         base: Body that moves with a held object.
         grasp: Grasp frame G: between the pads, x along the pads, y along the motion of the fingers towards the first
             pad, and z out of the palm.
@@ -138,6 +139,8 @@ class GripperSpec:
         pads: Pads.
         stiffness: Stiffness of the fingers' controllers, at the pads [N/m].
         damping: Damping of the fingers' controllers, at the pads [N s/m].
+        joint_damping: Viscous friction of each joint of the fingers, in place of the model's [N s/m or N m s/rad].
+            Without any, a held object creeps in simulation.
         collision: Collision shapes by body, in place of those of the model.
         outlines: Bounds of the hand; worked out from its shapes by default.
     """
@@ -154,6 +157,7 @@ class GripperSpec:
     pads: PadsSpec
     stiffness: float = 2000.0
     damping: float = 50.0
+    joint_damping: float | None = None
     collision: dict[str, tuple[ShapeSpec, ...]] = field(default_factory=dict)
     outlines: OutlineSpec | None = None
 
@@ -171,8 +175,8 @@ class GripperSpec:
 class RobotSpec:
     """An arm with a gripper.
 
-    Limits are those of the model. Limits given here serve where the model has none. A list of one number serves all
-    joints.
+    Limits are those of the model. Limits given here replace them, except those of positions. A list of one number
+    serves all joints.
 
     Attributes:
         description: Maker and type.

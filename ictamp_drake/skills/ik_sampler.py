@@ -183,7 +183,7 @@ class _HandProgram:
         self._config = config
         self._comfort = arm.comfortable_posture(X_WA)
         self._world = arm.plant.world_frame()
-        self._grasp = arm.plant.GetFrameByName("grasp")
+        self._grasp = arm.grasp
         self._target = arm.plant.GetFrameByName("target")
         context = arm.plant.CreateDefaultContext()
         self._target.SetPoseInParentFrame(context, X_WA)

@@ -54,7 +54,7 @@ def _split_quads(quads: FloatArray) -> FloatArray:
 
 @cache
 def read_gltf(path: Path) -> tuple[FloatArray, FloatArray]:
-    """Read the triangles and the color (red, green, blue in [0, 1]) of a file that `tools.panda.gltf` wrote."""
+    """Read the triangles and the color (red, green, blue in [0, 1]) of a file that `tools.gltf` wrote."""
     document = json.loads(path.read_text(encoding="utf-8"))
     data = base64.b64decode(document["buffers"][0]["uri"].partition(",")[2])
     (primitive,) = document["meshes"][0]["primitives"]

@@ -3,21 +3,23 @@
 import numpy as np
 import pytest
 
-from ictamp_drake.models.constants import HOME
-from tools.panda.panda import panda_sdf
-from tools.panda.self_collision import ALWAYS, FINGERS, Probe, ignored_pairs, shares
+from ictamp_drake.models.panda import INERTIALS
+from ictamp_drake.robots.robot import find_robot
+from tools.panda.self_collision import FINGERS, ignored_pairs, panda_probe
+from tools.self_collision import ALWAYS, Probe, shares
 
 SAMPLE = 1000
+HOME = find_robot("panda").home
 
 
 @pytest.fixture(scope="module")
 def probe() -> Probe:
-    return Probe(panda_sdf(ignored_pairs()))
+    return panda_probe(ignored_pairs())
 
 
 @pytest.fixture(scope="module")
 def found() -> dict[tuple[str, str], float]:
-    return shares(panda_sdf(()), SAMPLE, seed=1)
+    return shares(panda_probe(()), INERTIALS, SAMPLE, seed=1)
 
 
 def test_pairs_left_out_touch_always_or_never(found: dict[tuple[str, str], float]) -> None:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tools.panda.surface import Distance, Mesh, blend, cylinder, dome, rounded_box, triangulate
+from tools.surface import Distance, Mesh, blend, cylinder, dome, rounded_box, triangulate
 
 BODIES: dict[str, tuple[Distance, float]] = {
     "dome": (dome((0, 0, 0), (0, 0, 0.1), 0.04, 1e-4), math.pi * 0.04**2 * (0.06 + 0.04 * 2 / 3)),

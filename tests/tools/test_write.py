@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.models.things import FOLDER
-from tools.panda.write import contents
+from tools.write import contents
 
 CONTENTS = contents()
 
@@ -40,4 +40,4 @@ def test_bodies_are_up_to_date(name: str) -> None:
 
 
 def test_files_are_small() -> None:
-    assert sum(path.stat().st_size for path in FOLDER.iterdir()) < 1.5e6
+    assert sum(path.stat().st_size for path in FOLDER.iterdir()) < 1.8e6

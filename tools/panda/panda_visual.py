@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.sdf_text import Color, Shape
-from tools.panda.gltf import gltf
-from tools.panda.surface import Distance, Vector, blend, cylinder, dome, intersect, rounded_box, triangulate
+from tools.gltf import gltf
+from tools.surface import Distance, Vector, blend, cylinder, dome, intersect, rounded_box, triangulate
 
 WHITE: Color = (0.86, 0.87, 0.88)
 GREY: Color = (0.5, 0.51, 0.53)

@@ -1,4 +1,4 @@
-"""Write the model files of the package: `python -m tools.panda.write`.
+"""Write the model files of the package: `python -m tools.write`.
 
 Size, mass, friction and color of boxes and supports are taken from their existing files. To change one, edit the file's
 solid shape, its `mass`, its `mu_static` or its last visual, and run this script. The rest follows.
@@ -6,9 +6,11 @@ solid shape, its `mass`, its `mu_static` or its last visual, and run this script
 
 from ictamp_drake.models import shapes
 from ictamp_drake.models.things import BOXES, FOLDER, read_thing
+from tools.iiwa import iiwa, iiwa_visual, wsg
+from tools.iiwa import self_collision as iiwa_pairs
+from tools.panda import panda_visual
+from tools.panda import self_collision as panda_pairs
 from tools.panda.panda import panda_sdf
-from tools.panda.panda_visual import visual_files
-from tools.panda.self_collision import ignored_pairs
 
 
 def contents() -> dict[str, str]:
@@ -18,7 +20,13 @@ def contents() -> dict[str, str]:
         "table.sdf": shapes.table_sdf("table", read_thing("table").size),
         "rack.sdf": shapes.rack_sdf("rack", read_thing("rack").size),
     }
-    return {"panda.sdf": panda_sdf(ignored_pairs()), **supports, **boxes, **visual_files()}
+    ignored = iiwa_pairs.ignored_pairs()
+    robots = {
+        "panda.sdf": panda_sdf(panda_pairs.ignored_pairs()),
+        "iiwa14.sdf": iiwa.iiwa_sdf(iiwa_pairs.within(iiwa.LINKS, ignored)),
+        "wsg50.sdf": wsg.wsg_sdf(iiwa_pairs.within(wsg.LINKS, ignored)),
+    }
+    return {**robots, **supports, **boxes, **panda_visual.visual_files(), **iiwa_visual.visual_files()}
 
 
 def main() -> None:

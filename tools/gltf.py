@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ictamp_drake.models.sdf_text import Color
-from tools.panda.surface import Mesh
+from tools.surface import Mesh
 
 _FLOAT, _UNSIGNED_SHORT = 5126, 5123
 _VERTICES, _INDICES = 34962, 34963
