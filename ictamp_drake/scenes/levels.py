@@ -61,7 +61,7 @@ SUPPORTS = {
 """The table and the rack that stands on it."""
 
 
-ARM_OFFSETS: dict[str, Vector] = {"iiwa14_wsg50": (0.05, 0.0, 0.0), "ur5e_2f85": (0.0, 0.0, 0.0)}
+ARM_OFFSETS: dict[str, Vector] = {"iiwa14_wsg50": (0.05, 0.0, 0.0), "ur5e_2f85": (0.05, -0.05, 0.1)}
 """Position of each robot's base relative to the Panda's in the scenes of the levels [m].
 
 Axes are those of the base. The offset brings table and rack well within reach; all else stays where it is. Other robots

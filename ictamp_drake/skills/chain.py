@@ -22,10 +22,13 @@ class ChainSampler:
         self._samplers = samplers
         self._turn = turn
 
+    def serving(self, c: Configuration, action: Action) -> list[Sampler[Configuration]]:
+        """Samplers that apply to the action from c."""
+        return [each for each in self._samplers if not isinstance(each, Selective) or each.applies(c, action)]
+
     def draws(self, c: Configuration, action: Action, rng: np.random.Generator) -> Iterator[Parameter | Failure]:
         """k of all samplers that apply, until none has more. The failure of one counts when the others have no more."""
-        serving = [each for each in self._samplers if not isinstance(each, Selective) or each.applies(c, action)]
-        open_, failures = [each.draws(c, action, rng) for each in serving], list[Failure]()
+        open_, failures = [each.draws(c, action, rng) for each in self.serving(c, action)], list[Failure]()
         while open_:
             for drawing in list(open_):
                 count = 0
