@@ -61,7 +61,7 @@ SUPPORTS = {
 """The table and the rack that stands on it."""
 
 
-ARM_OFFSETS: dict[str, Vector] = {"iiwa14_wsg50": (0.05, 0.0, 0.0), "ur5e_2f85": (0.05, -0.05, 0.1)}
+ARM_OFFSETS: dict[str, Vector] = {"iiwa14_wsg50": (0.0, 0.05, 0.4), "ur5e_2f85": (0.05, -0.05, 0.1)}
 """Position of each robot's base relative to the Panda's in the scenes of the levels [m].
 
 Axes are those of the base. The offset brings table and rack well within reach; all else stays where it is. Other robots
@@ -98,14 +98,17 @@ def problem_files(level: str, selection: str = ":") -> list[Path]:
 
 
 def load_problem(path: Path, robot: str | None = None) -> SceneSpec:
-    """Load a scene of a level, with another robot if one is given, at its place in `ARM_OFFSETS`.
+    """Load a scene of a level, with another robot if one is given; see `place_robot`."""
+    spec = load_scene(path)
+    return spec if robot is None else place_robot(spec, robot)
+
+
+def place_robot(spec: SceneSpec, robot: str) -> SceneSpec:
+    """Return a scene of a level with another robot, at its place in `ARM_OFFSETS`.
 
     Raises:
         IctampError: There is no such robot, or its file or models are not valid.
     """
-    spec = load_scene(path)
-    if robot is None:
-        return spec
     spec = replace_robot(spec, robot)
     if robot not in ARM_OFFSETS:
         return spec
