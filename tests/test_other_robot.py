@@ -8,6 +8,8 @@ import pytest
 import ictamp_drake as ict
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import Action
+from ictamp_drake.experiments.runner import Runner
+from ictamp_drake.experiments.runner import work as runner_work
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.robots.spec import DEFAULT, find_file
 from ictamp_drake.runs.command import BAD_INPUT, COMPLETE
@@ -71,7 +73,7 @@ def test_geometry_and_a_constant_serve_where_nothing_was_trained(other: str, est
     suited = method.suited_to(other)
     assert not suited.learned
     assert suited.suited_to(other) == suited
-    assert {*method.tell_stand_ins(other).split()} >= {"policy", "geometric", estimator, "constant"}
+    assert all(name in method.tell_stand_ins(other) for name in ("policy", "geometric", estimator, "constant"))
 
 
 def test_parts_without_training_serve_every_robot(other: str) -> None:
@@ -132,6 +134,16 @@ def test_packing_with_another_robot_is_continued_with_it_alone(folder: Path) -> 
         refused = run("experiments.packing", *options, *robot, folder=folder)
         assert refused.returncode == BAD_INPUT
         assert "robot" in refused.stderr
+
+
+def test_the_runner_takes_levels_and_scenes_with_another_robot(folder: Path, other: str) -> None:
+    options = Runner(
+        levels=("easy",), problems="0", scenes=(folder / "scene.yaml",), strategies=("p-score",), robot=other
+    )
+    found = runner_work(options)
+    assert [job.problem.spec.robot for job in found.jobs] == [other, other]
+    assert found.about["robot"] == found.about["scenes"]["scene"]["robot"] == other
+    assert "robot" not in runner_work(replace(options, robot=None)).about
 
 
 @pytest.mark.parametrize(

@@ -253,14 +253,13 @@ class Method:
         return {option: part.stand_in for option, part in parts.items() if _is_foreign(part, robot)}
 
     def tell_stand_ins(self, robot: str) -> str:
-        """Return one sentence that names the parts of `list_stand_ins`; empty if there are none."""
+        """Say in one line what `list_stand_ins` lists; empty if there is nothing."""
         stand_ins = self.list_stand_ins(robot)
-        served = (f"the {option} {name} in place of {self.name_part(option)}" for option, name in stand_ins.items())
-        verbs = ("serves", "was") if len(stand_ins) == 1 else ("serve", "were")
-        text = (
-            f"With {Path(robot).name}, {' and '.join(served)} {verbs[0]}, which {verbs[1]} trained with another robot."
-        )
-        return text if stand_ins else ""
+        trained = ", ".join(self.name_part(option) for option in stand_ins)
+        served = " and ".join(f"the {option} {name}" for option, name in stand_ins.items())
+        serve = "serves" if len(stand_ins) == 1 else "serve"
+        instead = f"With {Path(robot).name}, {served} {serve} instead."
+        return f"Trained with another robot: {trained}. {instead}" if stand_ins else ""
 
     def suited_to(self, robot: str) -> "Method":
         """Return the method with the parts that serve with a robot, see `list_stand_ins`."""
