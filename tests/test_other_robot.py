@@ -91,6 +91,7 @@ def test_a_solution_says_what_served(folder: Path, other: str) -> None:
     assert solution.plan is not None
     assert solution.stand_ins == {"sampler": "geometric", "estimator": "constant"}
     assert (solution.method.sampler, solution.method.estimator) == ("geometric", "constant")
+    assert solution.plan.origin is not None
     assert solution.plan.origin.options["sampler"] == "geometric"
 
 
