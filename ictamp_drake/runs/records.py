@@ -17,6 +17,7 @@ from ictamp_drake.core.files import refuse_unwritable
 from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.planning.result import StopReason
+from ictamp_drake.robots.spec import DEFAULT
 from ictamp_drake.tamp.explanation import Blocked, Explanation
 from ictamp_drake.tamp.torque_use import TorqueUse
 
@@ -39,6 +40,9 @@ class Record:
         problem: Name of the problem.
         strategy: Name of the method. Empty in a run with one method.
         level: Level of the problem: easy, medium, hard, extreme or varied. None for your own scene.
+        robot: Robot of the scene: the name of one that ships, or the path of a robot file.
+        stand_ins: Names of the sampler and the estimator that served in place of those chosen, which were trained with
+            another robot.
         interference: Kinds of interference of the boxes outside the goal.
         seed: Random seed of the run.
         solved: Whether a plan was executed and verified.
@@ -83,6 +87,8 @@ class Record:
     strategy: str = ""
     level: str | None
     seed: int
+    robot: str = DEFAULT
+    stand_ins: dict[str, str] = field(default_factory=dict)
     interference: tuple[str, ...] = ()
     solved: bool = False
     verified: bool | None = None
@@ -156,6 +162,8 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         strategy=strategy,
         level=level,
         seed=seed,
+        robot=solution.task.spec.robot,
+        stand_ins=dict(solution.stand_ins),
         interference=solution.task.spec.interference,
         solved=result.solved,
         verified=result.verified,

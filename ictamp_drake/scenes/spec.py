@@ -256,6 +256,23 @@ def locate_robot(robot: str, folder: Path) -> str:
     return str(folder / robot) if is_robot_file(robot) else robot
 
 
+def replace_robot(spec: SceneSpec, robot: str) -> SceneSpec:
+    """Return the scene with another robot.
+
+    Args:
+        spec: Scene.
+        robot: Name of a robot that ships, or the path of a robot file.
+
+    Raises:
+        IctampError: There is no such robot, or its file or models are not valid.
+    """
+    from ictamp_drake.robots.robot import find_robot  # noqa: PLC0415  (loads Drake, and no help needs it)
+
+    name = locate_robot(robot, Path.cwd())
+    find_robot(name)
+    return replace(spec, robot=name)
+
+
 def save_scene(spec: SceneSpec, path: Path | str) -> None:
     """Write a scene file that `load_scene` reads back exactly; it appears whole or not at all.
 
