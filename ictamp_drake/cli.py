@@ -8,6 +8,7 @@ PROGRAMS = {
     "plan": ("ictamp_drake.plan", "plan in a scene of your own"),
     "replay": ("ictamp_drake.replay", "execute a plan file again and show it"),
     "export": ("ictamp_drake.export", "write a plan file as joint trajectories"),
+    "robot": ("ictamp_drake.robot", "check the file of a robot"),
     "packing": ("ictamp_drake.experiments.packing", "solve the packing problems of the paper"),
     "compare": ("ictamp_drake.experiments.runner", "run several strategies on the same problems"),
     "report": ("ictamp_drake.experiments.report", "write tables, figures and a page of results of such runs"),

@@ -1,6 +1,7 @@
 """A robot in a Drake plant."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -98,6 +99,17 @@ class RobotBodies:
     def parts(self, instance: ModelInstanceIndex) -> tuple[bool, bool]:
         """Whether a model instance contains the arm, and whether it contains the gripper."""
         return instance == self.instances[0], instance == self.instances[-1]
+
+
+@contextmanager
+def refuse_unconnected() -> Iterator[None]:
+    """Raise IctampError where Drake cannot connect the links of a robot."""
+    try:
+        yield
+    except RuntimeError as error:
+        problem = f"Drake cannot build the robot: {str(error).strip().partition(chr(10))[0]}"
+        advice = "the model must not fix the robot to the world: the scene does"
+        raise IctampError(Code.CONFLICT, problem, field="base", advice=advice) from error
 
 
 def find_frame(plant: MultibodyPlant, instance: ModelInstanceIndex, name: str, field: str) -> Frame:

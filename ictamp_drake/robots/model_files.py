@@ -2,14 +2,14 @@
 
 import importlib.util
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 from pydrake.multibody.parsing import PackageMap, Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.tree import ModelInstanceIndex, WeldJoint
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import read_text
@@ -17,10 +17,13 @@ from ictamp_drake.models.model_text import Shapes, keep_shapes
 from ictamp_drake.models.package import PACKAGE_FILE, add_package
 
 _PACKAGE = re.compile(r"package://([^/\"<\s]+)")
-_URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://|/)([^"<\s]+)')
+_URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://)([^"<\s]+)')
 _MIMIC = re.compile(r"<(?:drake:)?mimic\b[^>]*/>")
 _TEXTS = {".sdf": "sdf", ".urdf": "urdf"}
 """Formats whose shapes are left out by changing the text; in an MJCF file they stay."""
+
+
+_MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
 class Mimic(NamedTuple):
@@ -96,13 +99,29 @@ def add_model(
     _add_installed(parser.package_map(), [text], field)
     try:
         instances = parser.AddModelsFromString(text, kind) if kind else parser.AddModels(path)
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         problem = f"Drake cannot read {{value}}: {str(error).strip().partition(chr(10))[0]}"
         raise IctampError(Code.NOT_READABLE, problem, field=field, value=path.name) from error
     if len(instances) != 1:
         problem = f"expected one model in {{value}}, got {len(instances)}"
         raise IctampError(Code.WRONG_LENGTH, problem, field=field, value=path.name)
+    _release(plant, instances[0], path, field)
     return instances[0]
+
+
+def _release(plant: MultibodyPlant, instance: ModelInstanceIndex, path: Path, field: str) -> None:
+    """Remove what fixes a model to the world, as all models in MJCF and some in URDF are: the scene says where it is.
+
+    Raises:
+        IctampError: Drake removes no joints beside the constraints of the model.
+    """
+    for joint in map(plant.get_joint, plant.GetJointIndices(instance)):
+        if isinstance(joint, WeldJoint) and joint.parent_body() == plant.world_body():
+            try:
+                plant.RemoveJoint(joint)
+            except RuntimeError as error:
+                problem = "expected a model that is not fixed to the world, got {value}"
+                raise IctampError(Code.CONFLICT, problem, field=field, value=path.name) from error
 
 
 @lru_cache(maxsize=32)
@@ -126,13 +145,41 @@ def _block_of(link: str) -> str:
 
 @lru_cache(maxsize=32)
 def read_mimics(path: Path) -> Mapping[str, Mimic]:
-    """Return the joints of an SDF or URDF file that follow others, by name."""
+    """Return the joints of an SDF or URDF file that follow others, by name.
+
+    Raises:
+        IctampError: A multiplier or an offset is not a number.
+    """
     found = {}
-    for block in re.findall(r"<joint\s.*?</joint>", read_text(path), re.DOTALL):
-        name, mimic = re.search(r'name="([^"]+)"', block), re.search(r"<(?:drake:)?mimic\b.*", block, re.DOTALL)
-        if name and mimic:
+    for name, block in _joints_of(path):
+        if mimic := re.search(r"<(?:drake:)?mimic\b.*", block, re.DOTALL):
             values = dict(re.findall(r'(joint|multiplier|offset)\s*(?:="|>)\s*([^"<]+)', mimic[0]))
             if "joint" in values:
-                multiplier, offset = float(values.get("multiplier", 1)), float(values.get("offset", 0))
-                found[name[1]] = Mimic(values["joint"], multiplier, offset)
+                multiplier, offset = (_to_number(values.get(key, default), path) for key, default in _MIMIC_DEFAULTS)
+                found[name] = Mimic(values["joint"], multiplier, offset)
     return found
+
+
+@lru_cache(maxsize=32)
+def read_efforts(path: Path) -> Mapping[str, float]:
+    """Return the limits of effort of a URDF file by joint. Drake takes only those of joints with a transmission."""
+    if path.suffix != ".urdf":
+        return {}
+    found = ((name, re.search(r'<limit\b[^>]*\beffort="([^"]+)"', block)) for name, block in _joints_of(path))
+    return {name: _to_number(limit[1], path) for name, limit in found if limit}
+
+
+def _joints_of(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield names and texts of the joints of an SDF or URDF file."""
+    text = re.sub(r"<!--.*?-->", "", read_text(path), flags=re.DOTALL)
+    for block in re.findall(r"<joint\s.*?</joint>", text, re.DOTALL):
+        if name := re.search(r'name="([^"]+)"', block):
+            yield name[1], block
+
+
+def _to_number(text: str, path: Path) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        problem = f"expected a number in {path.name}, got {{value}}"
+        raise IctampError(Code.NOT_READABLE, problem, field="model", value=text) from error

@@ -8,7 +8,7 @@ import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Joint, ModelInstanceIndex
+from pydrake.multibody.tree import Joint, ModelInstanceIndex, RevoluteJoint
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
@@ -17,6 +17,7 @@ from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import FloatArray, KinematicsKind
 from ictamp_drake.models.model_text import Shapes
 from ictamp_drake.robots.bodies import (
+    IntArray,
     RobotBodies,
     add_frame,
     add_pads,
@@ -24,12 +25,13 @@ from ictamp_drake.robots.bodies import (
     find_frame,
     find_joint,
     pose_of,
+    refuse_unconnected,
 )
 from ictamp_drake.robots.chain import Chain, read_chain
 from ictamp_drake.robots.choice import create_inverse_kinematics
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
-from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_mimics
+from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_efforts, read_mimics
 from ictamp_drake.robots.panda import forward as panda_forward
 from ictamp_drake.robots.panda import is_panda
 from ictamp_drake.robots.spec import DEFAULT, RobotSpec, find_file, read_robot
@@ -121,6 +123,11 @@ class Robot:
         )
 
     @cached_property
+    def places(self) -> IntArray:
+        """Places of arm and fingers in the positions of a plant, which the robot is the first in, shape (n + m,)."""
+        return np.concatenate([self._bare.arm, self._bare.gripper])
+
+    @cached_property
     def chain(self) -> Chain:
         """Joints of the arm from the base to G."""
         bare = self._bare
@@ -174,10 +181,11 @@ class Robot:
     def _bare(self) -> RobotBodies:
         """The robot alone, without shapes, in a plant whose joints all move freely."""
         plant = MultibodyPlant(0.0)
-        bodies = self.add_to(plant, RigidTransform())
-        for constraint in plant.GetConstraintIds():
-            plant.RemoveConstraint(constraint)
-        plant.Finalize()
+        with refuse_unconnected():
+            bodies = self.add_to(plant, RigidTransform())
+            for constraint in plant.GetConstraintIds():
+                plant.RemoveConstraint(constraint)
+            plant.Finalize()
         return bodies
 
     def add_to(self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes = "contact") -> RobotBodies:
@@ -227,7 +235,11 @@ class Robot:
         return bodies
 
     def check(self) -> None:
-        """Raise IctampError unless the model and the file fit together."""
+        """Raise IctampError unless the model and the file fit together. `robots.checking` finds more."""
+        for number, joint in enumerate(self._bare.arm_joints):
+            if not isinstance(joint, RevoluteJoint):
+                problem, field = "expected a joint that turns, got {value}, which slides", f"joints[{number}]"
+                raise IctampError(Code.WRONG_TYPE, problem, field=field, value=joint.name())
         for number, (position, low, high) in enumerate(zip(self.home, self.lower, self.upper, strict=True)):
             check_range(f"home[{number}]", position, low, high, " rad")
         for limit in (self.velocity, self.acceleration, self.jerk, self.effort, self.gripper):
@@ -236,15 +248,17 @@ class Robot:
     def _actuate(self, plant: MultibodyPlant, instances: tuple[ModelInstanceIndex, ...], joints: list[Joint]) -> None:
         actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
         found = {each.joint().index(): each for each in actuators if each.model_instance() in instances}
-        if list(found) == [joint.index() for joint in joints]:
+        if list(found) == [joint.index() for joint in joints] and not self.spec.effort:
             return
         limits = {index: actuator.effort_limit() for index, actuator in found.items()}
         for actuator in found.values():
             plant.RemoveJointActuator(actuator)
-        efforts = dict(zip(self.joints, self.spec.effort, strict=False))
-        for joint in joints:
-            limit = limits.get(joint.index(), efforts.get(joint.name(), np.inf))
-            plant.AddJointActuator(f"{joint.name()}_actuator", joint, limit)
+        unused, given = read_efforts(self.model), dict(zip(self.joints, self.spec.effort, strict=False))
+        for number, joint in enumerate(joints):
+            name, limit = joint.name(), limits.get(joint.index(), np.inf)
+            if number < len(self.joints):
+                limit = given.get(name, limits.get(joint.index(), unused.get(name, np.inf)))
+            plant.AddJointActuator(f"{name}_actuator", joint, limit)
 
     def _add_shapes(self, bodies: RobotBodies, *, points: bool) -> None:
         """Add the shapes of the robot's file, and pads to fingers whose models bring none."""

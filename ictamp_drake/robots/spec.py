@@ -51,6 +51,9 @@ class FrameSpec:
     position: Vector = (0.0, 0.0, 0.0)
     rotation: Vector = (0.0, 0.0, 0.0)
 
+    def __post_init__(self) -> None:
+        _check_pose(self.position, self.rotation)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ShapeSpec:
@@ -73,6 +76,7 @@ class ShapeSpec:
             problem = f"expected {_SIZES[self.kind]} numbers for a {self.kind}, got {{value}}"
             raise IctampError(Code.WRONG_LENGTH, problem, field="size", value=self.size)
         check_vector("size", self.size, POSITIVE, 10, " m", count=None)
+        _check_pose(self.position, self.rotation)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,6 +239,11 @@ class RobotSpec:
             elif values or name in ("stiffness", "damping"):
                 _check_length(name, values, len(self.joints))
             check_vector(name, values, 0 if name == "damping" else POSITIVE, 1e9, count=None)
+
+
+def _check_pose(position: Vector, rotation: Vector) -> None:
+    check_vector("position", position, -10, 10, " m")
+    check_vector("rotation", rotation, -360, 360, " deg")
 
 
 def _check_length(field: str, values: Sequence[object], count: int) -> None:

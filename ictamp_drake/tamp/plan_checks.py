@@ -88,7 +88,8 @@ def check_start(c: Configuration, spec: SceneSpec) -> None:
     check_vector("x", c.x[joints + 7 * boxes :].tolist(), -MAX_SPEED, MAX_SPEED, count=None)
     poses = [c.x[joints + 7 * number :][:7] for number in range(boxes)]
     found = {name: _normalized(pose) for name, pose in zip(sorted(spec.boxes), poses, strict=True)}
-    if Configuration(c.x[:arm], c.x[arm:joints], found) != Configuration(c.q, c.fingers, c.poses):
+    q, fingers = np.split(c.x[find_robot(spec.robot).places], [arm])
+    if Configuration(q, fingers, found) != Configuration(c.q, c.fingers, c.poses):
         problem = "expected the positions of q and poses, exactly as they are there"
         raise IctampError(Code.CONFLICT, problem, field="x")
 

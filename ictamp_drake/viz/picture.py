@@ -6,18 +6,35 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from pydrake.geometry import Box, Capsule, Cylinder, GeometryId, GeometrySet, Mesh, QueryObject, Role, Shape, Sphere
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Cylinder,
+    GeometryId,
+    GeometrySet,
+    Mesh,
+    QueryObject,
+    Rgba,
+    Role,
+    Shape,
+    Sphere,
+)
 
 from ictamp_drake.core.files import whole
 from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.models.package import PACKAGE_FILE
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.marks import add_caption, mark
 from ictamp_drake.viz.raster import Camera, render, silhouette
 from ictamp_drake.viz.reasons import NO_REASONS, Reasons
 from ictamp_drake.viz.stage import BACKGROUND, FIELD_OF_VIEW, Stage, viewpoint
-from ictamp_drake.viz.triangles import box, capsule, cylinder, read_gltf
+from ictamp_drake.viz.triangles import box, capsule, cylinder, polygons, read_gltf
 
 WIDTH, HEIGHT = 800, 600
+FOLDER = PACKAGE_FILE.parent
+"""Folder of the meshes of the package."""
+GRAY = Rgba(0.6, 0.6, 0.62)
+"""Color of a mesh that has none."""
 
 
 def scene_png(
@@ -77,7 +94,9 @@ def _part(query: QueryObject, geometry: GeometryId) -> tuple[FloatArray, FloatAr
     inspector = query.inspector()
     triangles, color = _triangles(inspector.GetShape(geometry))
     if color is None:
-        rgba = inspector.GetIllustrationProperties(geometry).GetProperty("phong", "diffuse")
+        properties = inspector.GetIllustrationProperties(geometry)
+        has_color = properties.HasProperty("phong", "diffuse")
+        rgba = properties.GetProperty("phong", "diffuse") if has_color else GRAY
         color = np.array([rgba.r(), rgba.g(), rgba.b()])
     X_WG = query.GetPoseInWorld(geometry)
     in_world = triangles @ X_WG.rotation().matrix().T + X_WG.translation()
@@ -88,7 +107,7 @@ def _triangles(shape: Shape) -> tuple[FloatArray, FloatArray | None]:
     """Triangles in the shape's frame, and their colour where the shape brings one."""
     match shape:
         case Mesh():
-            return read_gltf(shape.source().path())
+            return _read_mesh(shape)
         case Box():
             return box(shape.size()), None
         case Sphere():
@@ -98,3 +117,17 @@ def _triangles(shape: Shape) -> tuple[FloatArray, FloatArray | None]:
         case Capsule():
             return capsule(shape.radius(), shape.length()), None
     raise TypeError(f"cannot draw {shape}")
+
+
+def _read_mesh(mesh: Mesh) -> tuple[FloatArray, FloatArray | None]:
+    """Triangles and colour of a mesh of the package, or the convex hull of another one, if Drake can read it."""
+    path = mesh.source().path()
+    if FOLDER in path.parents:
+        return read_gltf(path)
+    try:
+        hull = mesh.GetConvexHull()
+    except RuntimeError:
+        return np.empty((0, 3, 3)), None
+    faces = (hull.element(number) for number in range(hull.num_faces()))
+    corners = [[hull.vertex(face.vertex(i)) for i in range(face.num_vertices())] for face in faces]
+    return polygons(list(map(np.array, corners))), None

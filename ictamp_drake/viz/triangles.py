@@ -2,6 +2,7 @@
 
 import base64
 import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -50,6 +51,12 @@ def _revolve(profile: FloatArray) -> FloatArray:
 def _split_quads(quads: FloatArray) -> FloatArray:
     """Split each quadrilateral into two triangles, shape (n, 4, 3) -> (2 n, 3, 3)."""
     return quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3)
+
+
+def polygons(faces: Sequence[FloatArray]) -> FloatArray:
+    """Triangles of convex polygons with corners of shape (k, 3)."""
+    fans = [np.stack([np.broadcast_to(each[0], each[1:-1].shape), each[1:-1], each[2:]], axis=1) for each in faces]
+    return np.concatenate([np.empty((0, 3, 3)), *fans])
 
 
 @cache

@@ -22,7 +22,7 @@ def link(name: str, size: Sequence[float], z: float = 0.0, mass: float = 0.5) ->
     return f'<link name="{name}">{inertial}<visual>{box}</visual><collision>{box}</collision></link>\n'
 
 
-def joint(name: str, links: tuple[str, str], origin: str, axis: str, limit: str, kind: str = "revolute") -> str:
+def joint(name: str, links: tuple[str, str], origin: str, axis: str, *, limit: str, kind: str = "revolute") -> str:
     """A joint between two links."""
     parent, child = links
     ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{origin}"/><axis xyz="{axis}"/>'
@@ -35,7 +35,7 @@ def urdf() -> str:
     for (name, height), length in zip(HEIGHT.items(), LENGTHS, strict=True):
         text += link(f"{name}_link", (0.05, 0.05, length), length / 2)
         limit = 'lower="-2.9" upper="2.9" velocity="2" effort="80"'
-        text += joint(name, (parent, f"{name}_link"), f"0 0 {height}", AXES[name], limit)
+        text += joint(name, (parent, f"{name}_link"), f"0 0 {height}", AXES[name], limit=limit)
         parent = f"{name}_link"
     text += link("hand", (0.06, 0.16, 0.04), 0.02)
     text += '<joint name="mount" type="fixed"><parent link="wrist_link"/><child link="hand"/>'
@@ -44,8 +44,30 @@ def urdf() -> str:
         text += link(f"{name}_finger", (0.02, 0.012, 0.06), 0.03, 0.05)
         limit = 'lower="0" upper="0.04" velocity="0.2" effort="60"'
         origin, axis = f"0 {0.006 * sign} 0.045", f"0 {sign} 0"
-        text += joint(f"{name}_joint", ("hand", f"{name}_finger"), origin, axis, limit, "prismatic")
+        text += joint(f"{name}_joint", ("hand", f"{name}_finger"), origin, axis, limit=limit, kind="prismatic")
     return f'<robot name="small">\n{text}</robot>\n'
+
+
+def mjcf() -> str:
+    """The same robot in MJCF, which has no limits of velocity, nor of effort without actuators."""
+
+    def body(name: str, z: float, size: Sequence[float], middle: float, joint: str = "") -> str:
+        x, y, height = size
+        shape = f'<geom type="box" size="{x / 2} {y / 2} {height / 2}" pos="0 0 {middle}" mass="0.5"/>'
+        return f'<body name="{name}" pos="0 0 {z}">{joint}{shape}'
+
+    text = body("base", 0.0, (0.12, 0.12, 0.08), 0.04)
+    for (name, height), length in zip(HEIGHT.items(), LENGTHS, strict=True):
+        hinge = f'<joint name="{name}" type="hinge" axis="{AXES[name]}" limited="true" range="-2.9 2.9"/>'
+        text += body(f"{name}_link", height, (0.05, 0.05, length), length / 2, hinge)
+    text += body("hand", 0.03, (0.06, 0.16, 0.04), 0.02)
+    for name, sign in (("left", 1), ("right", -1)):
+        slide = f'<joint name="{name}_joint" type="slide" axis="0 {sign} 0" limited="true" range="0 0.04"/>'
+        finger = body(f"{name}_finger", 0.045, (0.02, 0.012, 0.06), 0.03, slide)
+        text += finger.replace('pos="0 0', f'pos="0 {0.006 * sign}', 1) + "</body>"
+    text += "</body>" * (len(HEIGHT) + 2)
+    compiler = '<compiler angle="radian"/>'
+    return f'<mujoco model="small">{compiler}<worldbody>{text}</worldbody></mujoco>'
 
 
 def content() -> dict[str, Any]:
@@ -72,7 +94,6 @@ def content() -> dict[str, Any]:
         "joints": list(HEIGHT),
         "home": [0.0, 0.0, 1.6, 0.0, 1.5415926535897931, 0.0],
         "acceleration": [10],
-        "effort": [80],
         "jerk": [1000],
         "stiffness": [2000],
         "damping": [100],
