@@ -15,10 +15,10 @@ from pydrake.math import RigidTransform
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Action, Attempt, Configuration, Skeleton
-from ictamp_drake.models.constants import MAX_GRIP_FORCE
-from ictamp_drake.models.kinematics import forward
 from ictamp_drake.motion.config import CarryingConfig
 from ictamp_drake.reports import markdown
+from ictamp_drake.robots.panda import forward
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.levels import SUPPORTS
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.config import PickConfig
@@ -160,7 +160,7 @@ def find_forces() -> Iterator[list[str]]:
     """Yield a row for each fixed force, at full speed and slowed down."""
     slow = METHOD.skills.motion.carrying
     for name, carrying in {"full": CarryingConfig(reserve=SLIDING, slide=1.0), "slowed down": slow}.items():
-        for force in (30.0, 40.0, 50.0, MAX_GRIP_FORCE):
+        for force in (30.0, 40.0, 50.0, find_robot().gripper.force):
             skills = replace(METHOD.skills, motion=replace(METHOD.skills.motion, carrying=carrying))
             method = METHOD.with_options(skills=replace(skills, pick=PickConfig(force=force, safety=0.0)))
             yield [name, *list_cells(measure_all(*HEAVY, method))]

@@ -24,8 +24,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import InverseKinematics
 from ictamp_drake.core.types import FloatArray, KinematicsKind
-from ictamp_drake.models.constants import ARM_JOINTS
 from ictamp_drake.models.package import add_package
+from ictamp_drake.models.panda import ARM_JOINTS
 from ictamp_drake.motion.config import KinematicsConfig
 from ictamp_drake.robots.chain import Chain, middle_of, pose_error, read_chain
 from ictamp_drake.robots.choice import create_inverse_kinematics, free_angles

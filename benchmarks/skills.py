@@ -133,7 +133,7 @@ def time_sampler(sampler: Sampler[Configuration], c: Configuration, a: Action) -
 
 def samplers(options: Options, world: World) -> dict[str, Sampler[Configuration]]:
     """Create the sources whose costs differ."""
-    arm = ArmKinematics(to_transform(world.spec.arm.X_WB))
+    arm = ArmKinematics(world.robot, to_transform(world.spec.arm.X_WB))
     learned = {"policy": PolicyConfig(options.checkpoints, 1), "best": PolicyConfig(options.checkpoints, 16, 0.0)}
     if options.reference:
         learned["reference"] = PolicyConfig(options.reference, 1)

@@ -26,11 +26,13 @@ class PlanOptions:
 
     Attributes:
         scene: YAML file of the scene.
+        robot: Robot that replaces that of the scene: a name of one that ships, or a robot file.
         conduct: Options of the run.
         method: Method that solves the problem.
     """
 
     scene: tyro.conf.Positional[Path]
+    robot: str | None = None
     conduct: Annotated[Conduct, tyro.conf.arg(name="")] = Conduct()
     method: Annotated[Method, tyro.conf.arg(name="")] = SCENE_METHOD
 
@@ -39,13 +41,13 @@ def work(options: PlanOptions) -> Work:
     """Return the problem of the scene as the work of a run.
 
     Raises:
-        IctampError: The scene is invalid. Nothing has been written at that point.
+        IctampError: The scene or the robot is invalid. Nothing has been written at that point.
     """
-    task = ict.load(options.scene, options.method)
+    task = ict.load(options.scene, options.method, robot=options.robot)
     about = {"program": "plan", "scene": to_dict(task.spec), "options": options.method.decisive}
     with in_file(options.scene):
         problem = Problem(options.scene.stem, task.spec)
-    return Work(problem.name, about, [Job(problem, options.method, task=task)], options.conduct)
+    return Work(problem.name, about, [Job(problem, options.method, task=task)], options.conduct, options.robot)
 
 
 if __name__ == "__main__":

@@ -22,8 +22,10 @@ if TYPE_CHECKING:
         RuleContext,
         Sampler,
         SelectionRule,
+        Selective,
         Skill,
         SkillRunner,
+        Trained,
     )
     from ictamp_drake.core.types import (
         Action,
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from ictamp_drake.planning.rule import OpenPlan, Option, RuleConfig
     from ictamp_drake.planning.tree import RunStep, Tree
     from ictamp_drake.skills.base import imagine
+    from ictamp_drake.skills.chain import ChainSampler
     from ictamp_drake.skills.config import PickConfig, PlaceConfig, SkillsConfig
     from ictamp_drake.skills.context import SamplerConfig, SamplerContext, SkillConfig, SkillContext
     from ictamp_drake.skills.geometry import raise_pose
@@ -62,6 +65,7 @@ __all__ = [
     "Atom",
     "Attempt",
     "C",
+    "ChainSampler",
     "Config",
     "Configuration",
     "Domain",
@@ -97,6 +101,7 @@ __all__ = [
     "SamplerContext",
     "Segment",
     "SelectionRule",
+    "Selective",
     "Skeleton",
     "Skill",
     "SkillConfig",
@@ -104,6 +109,7 @@ __all__ = [
     "SkillRunner",
     "SkillsConfig",
     "State",
+    "Trained",
     "Tree",
     "World",
     "imagine",
@@ -116,6 +122,7 @@ _HOMES = {
     "Atom": "core.types:Atom",
     "Attempt": "core.types:Attempt",
     "C": "core.types:C",
+    "ChainSampler": "skills.chain:ChainSampler",
     "Config": "core.protocols:Config",
     "Configuration": "core.types:Configuration",
     "Domain": "symbolic.domain:Domain",
@@ -151,6 +158,7 @@ _HOMES = {
     "SamplerContext": "skills.context:SamplerContext",
     "Segment": "core.types:Segment",
     "SelectionRule": "core.protocols:SelectionRule",
+    "Selective": "core.protocols:Selective",
     "Skeleton": "core.types:Skeleton",
     "Skill": "core.protocols:Skill",
     "SkillConfig": "skills.context:SkillConfig",
@@ -158,6 +166,7 @@ _HOMES = {
     "SkillRunner": "core.protocols:SkillRunner",
     "SkillsConfig": "skills.config:SkillsConfig",
     "State": "core.types:State",
+    "Trained": "core.protocols:Trained",
     "Tree": "planning.tree:Tree",
     "World": "world.world:World",
     "imagine": "skills.base:imagine",

@@ -58,6 +58,8 @@ def act(options: ReplayOptions, console: Console) -> int:
     _report(compare_steps(replay, SceneAbstraction(world), plan.actions, states), console)
     skills = f"{len(replay.outcomes)} of {len(plan)} skills executed in {replay.seconds:.1f} s"
     console.print(f"{options.plan}: {skills}; the goal {'holds' if replay.holds else 'does not hold'}", soft_wrap=True)
+    if plan.torque is not None:
+        console.print(str(plan.torque), soft_wrap=True)
     if replay.outcomes or not plan.attempts:
         page = options.out or options.plan.with_name("replay.html")
         with refuse_unwritable(page):

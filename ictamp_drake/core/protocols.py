@@ -49,6 +49,27 @@ class Learned(Protocol):
         """Raise IctampError when the networks are missing or damaged, without loading torch."""
 
 
+@runtime_checkable
+class Trained(Protocol):
+    """Configuration of a part that was trained with one robot; with other robots, another part serves in its place."""
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot that the part was trained with."""
+
+    @property
+    def stand_in(self) -> str:
+        """Name of the part that serves with other robots."""
+
+
+@runtime_checkable
+class Selective(Protocol[C_contra]):
+    """A sampler that serves some actions only, e.g. those that are like the ones it was trained for."""
+
+    def applies(self, c: C_contra, action: Action) -> bool:
+        """Whether the part serves the action from c."""
+
+
 class PlanGenerator(Protocol):
     """A resumable search for high-level plans from one start state."""
 
@@ -75,6 +96,10 @@ class InverseKinematics(Protocol):
     @property
     def free(self) -> int | None:
         """Index of the joint whose angles the caller chooses, or None: an arm of seven joints has one too many."""
+
+    @property
+    def finds_all(self) -> bool:
+        """Whether no posture at the given angles is missed, so that a pose without one is out of reach."""
 
     def postures(
         self, X_BG: FloatArray, angles: FloatArray, limits: FloatArray, /

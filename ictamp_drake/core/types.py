@@ -212,6 +212,7 @@ class Attempt(Generic[C]):
         detail: Sentence that adds to the failure; may be empty.
         obstacles: Names of what the arm or the held box would have touched, one for each parameter refused for that.
         recording: Recording of the simulation; None when nothing was simulated.
+        unreached: Poses of G at which the arm has no posture, one for each parameter refused for that, shape (7,) each.
     """
 
     action: Action
@@ -224,6 +225,7 @@ class Attempt(Generic[C]):
     detail: str = ""
     obstacles: tuple[str, ...] = ()
     recording: Recording | None = None
+    unreached: tuple[FloatArray, ...] = ()
 
     @property
     def succeeded(self) -> bool:

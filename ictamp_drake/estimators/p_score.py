@@ -19,6 +19,7 @@ from ictamp_drake.estimators.learned import ConfiguredPlan, score_by_skill
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.observation.situations import Numbers
 from ictamp_drake.observation.state_matrix import Observation, Observer
+from ictamp_drake.robots.spec import DEFAULT
 
 if TYPE_CHECKING:
     from ictamp_drake.learning.models import EstimatorModel
@@ -38,6 +39,16 @@ class PScoreConfig:
 
     def __post_init__(self) -> None:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot that the estimators were trained with."""
+        return DEFAULT
+
+    @property
+    def stand_in(self) -> str:
+        """Name of the estimator that serves with other robots."""
+        return "constant"
 
     def create(self, context: EstimatorContext) -> "PScore":
         """The estimator for one scene, for steps with the skills that the search runs.

@@ -17,6 +17,7 @@ from ictamp_drake.estimators.imagination import Imagination, Rollouts, refine
 from ictamp_drake.estimators.learned import ConfiguredPlan
 from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.observation.state_matrix import Observer
+from ictamp_drake.robots.spec import DEFAULT
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,16 @@ class QValueConfig:
                 value=self.refinements,
                 advice="set --estimators.q-value.best",
             )
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot that the critics were trained with."""
+        return DEFAULT
+
+    @property
+    def stand_in(self) -> str:
+        """Name of the estimator that serves with other robots."""
+        return "constant"
 
     def create(self, context: EstimatorContext) -> "QValue":
         """The estimator for one scene.

@@ -23,9 +23,9 @@ from ictamp_drake.core.reading import in_file
 from ictamp_drake.experiments.strategies import REGIMES, STRATEGIES, methods
 from ictamp_drake.runs.conduct import Conduct
 from ictamp_drake.runs.jobs import Job, Problem
-from ictamp_drake.runs.program import Work, main
-from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, problem_files
-from ictamp_drake.scenes.spec import load_scene, to_dict
+from ictamp_drake.runs.program import Work, about_robot, main
+from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, load_problem, problem_files
+from ictamp_drake.scenes.spec import to_dict
 from ictamp_drake.tamp.method import Method, describe_choices
 
 
@@ -38,6 +38,8 @@ class Runner:
         strategies: Names of strategies, or NAME="OPTIONS" with options of the packing program.
         levels: Levels of the problems. By default those of the paper, or none if `scenes` is given.
         problems: Number of a problem or slice of each level's problems, e.g. 3, 0:5 or 10:.
+        robot: Robot that replaces that of every scene: a name of one that ships, or a robot file. In the levels some
+            stand elsewhere, see `scenes.levels.ARM_OFFSETS`.
         scenes: YAML files of your own scenes. All are checked before the first is solved.
         skip_bad_scenes: Leave out the scenes that are not valid, and say which. By default nothing is solved then.
         seeds: Random seeds of the search.
@@ -48,6 +50,7 @@ class Runner:
     strategies: Annotated[tuple[str, ...], describe_choices(tuple(STRATEGIES))] = ()
     levels: Annotated[tuple[str, ...], describe_choices(LEVELS)] = ()
     problems: str = ":"
+    robot: str | None = None
     scenes: tuple[Path, ...] = ()
     skip_bad_scenes: bool = False
     seeds: tuple[int, ...] = (0,)
@@ -66,27 +69,28 @@ def work(options: Runner) -> Work:
     """Return every problem with every strategy and seed as the work of a run.
 
     Raises:
-        IctampError: A level, problem or strategy does not exist, scenes or their goals are invalid, or two scenes have
-            the same name. The notes of the error name the other invalid scenes.
+        IctampError: A level, problem, robot or strategy does not exist, scenes or their goals are invalid, or two
+            scenes have the same name. The notes of the error name the other invalid scenes.
     """
     by_strategy = methods(options.regime, options.strategies, options.seeds)
+    levels = _of_levels(options)
     scenes = _scenes(options, next(iter(by_strategy.values()))[0])
     jobs = [
         Job(problem, method, strategy)
-        for problem in [*_of_levels(options), *scenes]
+        for problem in [*levels, *scenes]
         for strategy, seeded in by_strategy.items()
         for method in seeded
     ]
     strategies = {name: _drop_seed(seeded[0].decisive) for name, seeded in by_strategy.items()}
-    about = {"program": "runner", "regime": options.regime, "strategies": strategies}
+    about = {"program": "runner", "regime": options.regime, **about_robot(options.robot), "strategies": strategies}
     about["scenes"] = {problem.name: to_dict(problem.spec) for problem in scenes}
-    return Work(f"runner-{options.regime}", about, jobs, options.conduct)
+    return Work(f"runner-{options.regime}", about, jobs, options.conduct, options.robot)
 
 
 def _of_levels(options: Runner) -> list[Problem]:
     levels = options.levels or (() if options.scenes else PAPER_LEVELS)
     return [
-        Problem(name, load_scene(path), level)
+        Problem(name, load_problem(path, options.robot), level)
         for level in levels
         for name, path in _names(level, options.problems).items()
     ]
@@ -105,7 +109,7 @@ def _scenes(options: Runner, method: Method) -> list[Problem]:
     told = console.is_terminal and bool(options.scenes)
     for path in track(options.scenes, "Checking the scenes", console=console, transient=True, disable=not told):
         try:
-            scenes.append(_scene(path, files, method))
+            scenes.append(_scene(path, files, method, options.robot))
         except IctampError as error:
             bad.append(error)
     if bad and (not options.skip_bad_scenes or not scenes):
@@ -120,13 +124,13 @@ def _scenes(options: Runner, method: Method) -> list[Problem]:
     return scenes
 
 
-def _scene(path: Path, files: dict[str, Path], method: Method) -> Problem:
+def _scene(path: Path, files: dict[str, Path], method: Method, robot: str | None) -> Problem:
     """Load a scene, and add its name to `files`, which has the names that are taken."""
     if path.stem in files:
         problem = f"the name of {{value}} is taken by {files[path.stem]}"
         raise IctampError(Code.REPEATED, problem, field="scenes", value=str(path), advice="rename one of them")
     with in_file(path):
-        found = Problem(path.stem, ict.load(path, method).spec)
+        found = Problem(path.stem, ict.load(path, method, robot=robot).spec)
     files[path.stem] = path
     return found
 

@@ -1,6 +1,6 @@
 """Kinematics of the arm alone: forward, inverse, and straight lines of the hand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -12,12 +12,16 @@ from pydrake.multibody.tree import FixedOffsetFrame, JacobianWrtVariable
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.config import KinematicsConfig
 from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.chain import ROUNDING, turn_into, turn_near
 from ictamp_drake.robots.choice import free_angles
 from ictamp_drake.robots.robot import Robot
 from ictamp_drake.world.matrices import grasps
 
 _ROUNDS = 4
 """Number of rounds in which angles of the free joint are checked for travel times, the nearest first."""
+
+_SPARE = 0.5
+"""Distance that a joint keeps from its limits where it can be turned the other way round instead [rad]."""
 
 _LINES = 15
 """Number of lines kept in memory: whether a line exists is often asked before it is used."""
@@ -47,6 +51,12 @@ class ArmKinematics:
         self._lines: dict[tuple[bytes, bytes], FloatArray | None] = {}
         self._inverse = robot.inverse(self.config.kind, self.config.starts)
         self._angles = self._grid(self._limits, self.config.last_step)
+        self._turns = bool(np.any(self.upper - self.lower > 2 * np.pi))
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether a pose without a posture is out of reach, so that nothing was missed."""
+        return self._inverse.finds_all
 
     def forward(self, q: FloatArray) -> RigidTransform:
         """X_WG at the arm's joint positions q, shape (n,) [rad]."""
@@ -63,14 +73,21 @@ class ArmKinematics:
     ) -> FloatArray | None:
         """Joint positions that bring G to X_WG, near q_guess and comfortable, shape (n,) [rad], or None.
 
+        Joints that can turn more than once are turned to where they are nearest to both.
+
         Args:
             X_WG: Target pose of G.
             q_guess: Joint positions that the solution should be near, shape (n,) [rad].
             accept: Further condition that a solution must satisfy, e.g. freedom from collisions.
         """
         found = self._postures(X_WG, self._angles, self._limits)
-        near, ease = ((found - q) ** 2 for q in (q_guess, self.comfortable_posture(X_WG)))
-        cost = (self.config.guess_weight * near + self.config.comfort_weight * ease).sum(axis=1)
+        guess_weight, comfort_weight = self.config.guess_weight, self.config.comfort_weight
+        comfort = self.comfortable_posture(X_WG)
+        if self._turns and guess_weight + comfort_weight > 0:
+            aim = (guess_weight * q_guess + comfort_weight * comfort) / (guess_weight + comfort_weight)
+            found = turn_near(found, aim, self._limits, _SPARE)
+        near, ease = ((found - q) ** 2 for q in (q_guess, comfort))
+        cost = (guess_weight * near + comfort_weight * ease).sum(axis=1)
         found = found[np.argsort(cost, kind="stable")]
         for _ in range(self.config.attempts):
             if not len(found):
@@ -93,15 +110,22 @@ class ArmKinematics:
         """
         free, angles = self._inverse.free, self._grid(self._limits, self.config.travel_step)
         velocity = self.robot.velocity
-        turns = np.zeros(1) if free is None else np.abs(angles - q[free]) / velocity[free]
+        turns = np.zeros(1) if free is None else self._distances(angles[:, None], q, [free])[:, 0] / velocity[free]
         order = np.argsort(turns, kind="stable")
         least = np.full(len(X_WG), np.inf)
         X_BG = self._X_BW.GetAsMatrix4() @ X_WG
         for some in np.array_split(order, min(_ROUNDS, len(order))):
             open_ = np.flatnonzero(least > turns[some[0]])  # the free joint alone takes longer from here on
             found, pose = self._inverse.postures(X_BG[open_], angles[some], self._limits)
-            np.minimum.at(least, open_[pose], (np.abs(found - q) / velocity).max(axis=1))
+            np.minimum.at(least, open_[pose], (self._distances(found, q) / velocity).max(axis=1))
         return least
+
+    def _distances(self, found: FloatArray, q: FloatArray, joints: Sequence[int] | slice = slice(None)) -> FloatArray:
+        """Distances of some joints of postures from those of q, the shorter way round where there is one [rad]."""
+        if self._turns:
+            found = turn_near(found, q[joints], self._limits[:, joints])
+        distances: FloatArray = np.abs(found - q[joints])
+        return distances
 
     def turning_postures(self, X_WG: RigidTransform) -> FloatArray:
         """Joint positions with G at X_WG, where the limits of the last joint do not count.
@@ -114,6 +138,16 @@ class ArmKinematics:
         """
         limits = self._limits_without(-1)
         return self._postures(X_WG, self._grid(limits, self.config.last_step), limits)
+
+    def joints_beyond_limits(self, X_WG: RigidTransform) -> NDArray[np.bool_]:
+        """Find the joints beyond their limits, in each posture with G at X_WG that is known when no joint has limits.
+
+        Returns:
+            Shape (m, n).
+        """
+        none = np.tile([[-np.inf], [np.inf]], len(self.lower))
+        found = turn_into(self._postures(X_WG, self._grid(none, self.config.last_step), none), self._limits)
+        return (found < self.lower - ROUNDING) | (found > self.upper + ROUNDING)
 
     def is_within_reach(self, radius: FloatArray, height: float) -> NDArray[np.bool_]:
         """Whether the arm, if its first and last joint had no limits, could bring G there with the hand pointing down.

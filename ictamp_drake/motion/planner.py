@@ -26,11 +26,20 @@ _STUCK = "the arm cannot follow the straight line"
 
 
 class Refusal(NamedTuple):
-    """Reason why there is no motion: the failure, an optional detail, and the obstacle if there is one."""
+    """Reason why there is no motion.
+
+    Attributes:
+        failure: Cause.
+        detail: Words that add to it; may be empty.
+        obstacle: Name of what the arm or the held box would have touched; empty if there is no such thing.
+        unreached: Pose of G at which the arm has no posture; None if there is no such pose. Whether it is out of reach
+            or a joint has a limit takes long to say, so `motion.reach` says it when it is asked.
+    """
 
     failure: Failure
     detail: str = ""
     obstacle: str = ""
+    unreached: RigidTransform | None = None
 
     @classmethod
     def from_contact(cls, failure: Failure, contact: Contact | None) -> "Refusal":
@@ -105,7 +114,7 @@ class MotionPlanner:
             return Refusal(Failure.NO_INVERSE_KINEMATICS, _STUCK)
         if colliding:
             return Refusal.from_contact(Failure.GOAL_IN_COLLISION, self.scene.first_contact(c, np.array(colliding)))
-        return Refusal(Failure.NO_INVERSE_KINEMATICS)
+        return Refusal(Failure.NO_INVERSE_KINEMATICS, unreached=X_WG)
 
     def plan_straight(self, c: Configuration, q0: FloatArray, X_WG1: RigidTransform) -> PlannedMotion | Refusal:
         """Motion of the hand on a straight line from its pose at q0 to X_WG1, turning evenly.

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray
 from ictamp_drake.observation.situations import ABSENT, Numbers, Situations, Steps
-from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.matrices import flat, inverse, to_matrices, upright_frames
 
@@ -141,6 +140,8 @@ class Observer:
         self._sizes = np.array([spec.boxes[name].size for name in self._boxes])
         supports = [spec.supports[spec.support_of(name)] for name in names[len(self._boxes) :]]
         self._support_sizes = np.array([support.size for support in supports])
+        from ictamp_drake.robots.robot import find_robot  # noqa: PLC0415  (loads Drake, and no help needs it)
+
         self._robot = find_robot(spec.robot)
         self._X_BW = np.linalg.inv(to_matrices(spec.arm.X_WB))
         self._X_BS = self._X_BW @ to_matrices(np.array([support.X_WT for support in supports]))

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Generic
 
 from ictamp_drake.core.failures import Failure
-from ictamp_drake.core.types import Action, Attempt, C
+from ictamp_drake.core.types import Action, Attempt, C, FloatArray
 from ictamp_drake.planning.tree import Opening, Step, Tree
 
 
@@ -36,6 +36,7 @@ class ActionReport:
         failures: Causes of the failed attempts, with their counts.
         rejections: Causes that rejected a parameter k before the last one of its attempt, with their counts.
         obstacles: Objects that the arm or the held box would have touched with the rejected k, by name, with counts.
+        unreached: Poses of the hand at which the arm has no posture, see `Attempt.unreached`.
     """
 
     action: Action
@@ -43,6 +44,7 @@ class ActionReport:
     failures: Counter[Failure] = field(default_factory=Counter)
     rejections: Counter[Failure] = field(default_factory=Counter)
     obstacles: Counter[str] = field(default_factory=Counter)
+    unreached: list[FloatArray] = field(default_factory=list)
 
     @property
     def is_blocked(self) -> bool:
@@ -167,6 +169,7 @@ class PlanningResult(Generic[C]):
             report.attempts += 1
             report.rejections.update(step.attempt.rejections)
             report.obstacles.update(step.attempt.obstacles)
+            report.unreached += step.attempt.unreached
             if step.attempt.failure is not None:
                 report.failures[step.attempt.failure] += 1
         return reports

@@ -11,6 +11,7 @@ import pandas as pd
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.planning.result import StopReason
+from ictamp_drake.robots.spec import DEFAULT
 from ictamp_drake.runs.folder import CONFIG, RESULTS, read_config
 from ictamp_drake.runs.records import OWN, Record, read_records
 from ictamp_drake.scenes.levels import LEVELS
@@ -142,6 +143,7 @@ def _describe_runs(config: dict[str, Any], records: Sequence[Record]) -> dict[st
     load = [record.load[0] for record in records if record.load]
     named = {
         "program": _list_values(config, "program"),
+        **_describe_robots(records),
         "commit": re.sub(r"\b([0-9a-f]{10})[0-9a-f]{30}\b", r"\1", _list_values(config, "commit")),
         "drake": _list_values(config, "drake"),
         "cores": _list_values(config, "cores"),
@@ -152,6 +154,14 @@ def _describe_runs(config: dict[str, Any], records: Sequence[Record]) -> dict[st
         "seeds": ", ".join(str(seed) for seed in sorted({record.seed for record in records})),
     }
     return {name: value or "not known" for name, value in named.items()}
+
+
+def _describe_robots(records: Sequence[Record]) -> dict[str, str]:
+    """Name the robots, and the parts that served in place of those chosen, unless all is as by default."""
+    robots = sorted({record.robot for record in records})
+    served = sorted({f"{option} {name}" for record in records for option, name in record.stand_ins.items()})
+    names = ", ".join(Path(name).name for name in robots)
+    return {} if robots == [DEFAULT] else {"robot": f"{names} ({', '.join(served)})" if served else names}
 
 
 def _list_values(config: dict[str, Any], key: str) -> str:

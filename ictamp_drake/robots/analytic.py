@@ -19,6 +19,8 @@ _SAMPLE = 0.3
 class AnalyticKinematics:
     """All postures of an arm, with the free joint at given angles. Check `lockable` first."""
 
+    finds_all = True
+
     def __init__(self, chain: Chain, free: int | None) -> None:
         self.free = free
         self._chain = chain

@@ -108,6 +108,25 @@ def turn_into(q: FloatArray, limits: FloatArray) -> FloatArray:
     return turned
 
 
+def turn_near(q: FloatArray, aim: FloatArray, limits: FloatArray, spare: float = 0.0) -> FloatArray:
+    """Joint positions, turned by full turns to where they are nearest to an aim.
+
+    Joints whose limits span no more than a full turn stay as they are.
+
+    Args:
+        q: Positions within the limits, shape (..., joints) [rad].
+        aim: Positions to be near, shape (joints,) [rad].
+        limits: Lower and upper limits, which may be infinite, shape (2, joints) [rad].
+        spare: Distance to keep from the limits where that leaves a joint a full turn [rad].
+    """
+    room = (limits[1] - limits[0]) / 2 - np.pi
+    lower, upper = limits + np.clip(room, 0.0, spare) * [[1], [-1]]
+    turned = q + 2 * np.pi * np.round((np.clip(aim, lower, upper) - q) / (2 * np.pi))
+    turned += 2 * np.pi * (turned < lower) - 2 * np.pi * (turned > upper)
+    near: FloatArray = np.where(room > 0, turned, q)
+    return near
+
+
 def middle_of(limits: FloatArray) -> FloatArray:
     """Middle of joint limits, or zero for joints without limits, shape (2, joints) -> (joints,) [rad]."""
     middle: FloatArray = np.where(np.isfinite(limits), limits, 0.0).sum(axis=0) / 2

@@ -12,9 +12,6 @@ from ictamp_drake.robots.spec import GripperSpec
 _STRAIGHT = 1e-9
 """Largest deviation from a straight line up to which joints count as proportional to the width [m or rad]."""
 
-PLAY = 0.005
-"""Play that the fingers need around a gripped box [m]."""
-
 
 @dataclass(frozen=True, eq=False)
 class Gripper:
@@ -48,8 +45,8 @@ class Gripper:
 
     @property
     def max_side(self) -> float:
-        """Widest side of a box that is gripped: the opening minus the play that the fingers need [m]."""
-        return self.spec.opening - PLAY
+        """Widest side of a box that is gripped [m]."""
+        return self.spec.widest
 
     @property
     def force(self) -> float:

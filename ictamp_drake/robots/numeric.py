@@ -22,6 +22,7 @@ class NumericKinematics:
     """Postures found from starts spread over the joint limits, the same for every pose. Some may be missed."""
 
     free: int | None = None
+    finds_all = False
 
     def __init__(self, chain: Chain, starts: int) -> None:
         self._chain = chain

@@ -54,6 +54,7 @@ class PandaKinematics:
     """Closed form for the Panda; the free joint is the last. Angles of a joint beyond ±π are not known."""
 
     free: int | None = 6
+    finds_all = True
 
     def postures(
         self, X_BG: FloatArray, angles: FloatArray, limits: FloatArray, /

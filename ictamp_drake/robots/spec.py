@@ -30,6 +30,9 @@ MAX_BYTES = 2**17
 MAX_JOINTS = 20
 """Maximum number of joints of an arm."""
 
+PLAY = 0.005
+"""Play that the fingers need around a gripped box [m]."""
+
 _SIZES = {"box": 3, "cylinder": 2, "capsule": 2, "sphere": 1}
 """Number of dimensions of each kind of shape."""
 
@@ -173,6 +176,11 @@ class GripperSpec:
         check_range("damping", self.damping, 0, 1e9)
         if self.model and self.mount is None:
             raise IctampError(Code.MISSING_FIELD, "missing field", field="mount")
+
+    @property
+    def widest(self) -> float:
+        """Widest side of a box that is gripped: the opening minus the play that the fingers need [m]."""
+        return self.opening - PLAY
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

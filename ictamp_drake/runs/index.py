@@ -8,6 +8,7 @@ from urllib.parse import quote
 
 from ictamp_drake.runs.folder import INDEX, RESULTS
 from ictamp_drake.runs.records import OWN, Record, read_records
+from ictamp_drake.tamp.explanation import Explanation
 from ictamp_drake.viz.index_page import Entry, index_html
 
 EVERY = 5.0
@@ -68,7 +69,7 @@ def _entry(record: Record, folder: Path) -> Entry:
         seed=record.seed,
         solved=record.solved,
         reason="" if record.solved else explanation.reason,
-        details=() if record.solved or record.error is not None else tuple(explanation.lines()),
+        details=_details(record, explanation),
         error=record.error or "",
         seconds=record.planning_time_s,
         skills=record.plan_length,
@@ -76,6 +77,14 @@ def _entry(record: Record, folder: Path) -> Entry:
         picture=_address(record, "scene.png") if "scene.png" in files else "",
         links={name: _address(record, file) for name, file in LINKS.items() if file in files},
     )
+
+
+def _details(record: Record, explanation: Explanation) -> tuple[str, ...]:
+    if record.error is not None:
+        return ()
+    if record.solved:
+        return () if record.torque is None else (str(record.torque),)
+    return tuple(explanation.lines())
 
 
 def _files(folder: Path) -> set[str]:

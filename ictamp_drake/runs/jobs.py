@@ -78,6 +78,11 @@ class Job:
         return {**vars(self), "task": None}
 
     @property
+    def suited(self) -> Method:
+        """The method with the parts that serve with the robot of the problem."""
+        return self.method.suited_to(self.problem.spec.robot)
+
+    @property
     def name(self) -> str:
         """Name of the job's record and folder."""
         return run_name(self.problem.name, self.strategy, self.method.seed)
@@ -88,6 +93,7 @@ class Job:
             problem=self.problem.name,
             strategy=self.strategy,
             level=self.problem.level,
+            robot=self.problem.spec.robot,
             seed=self.method.seed,
             stop_reason=reason,
             planning_time_s=round(seconds, 4),

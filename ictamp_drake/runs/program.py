@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from rich.console import Console
 
+from ictamp_drake.robots.spec import DEFAULT
 from ictamp_drake.runs.board import Board
 from ictamp_drake.runs.command import BROKEN, COMPLETE, INTERRUPTED, UNSOLVED, command
 from ictamp_drake.runs.conduct import Conduct
@@ -17,6 +18,7 @@ from ictamp_drake.runs.jobs import Job
 from ictamp_drake.runs.progress import Progress, format_clock, format_count
 from ictamp_drake.runs.records import Record, read_records
 from ictamp_drake.runs.table import format_results
+from ictamp_drake.scenes.spec import locate_robot
 
 T = TypeVar("T")
 
@@ -30,12 +32,14 @@ class Work:
         about: Problems and how they are solved, for config.yaml; see `folder.open_run_folder`.
         jobs: Jobs to do.
         conduct: Options for carrying out the run.
+        robot: Robot that replaces those of the scenes, as given; None if none does.
     """
 
     name: str
     about: dict[str, Any]
     jobs: Sequence[Job]
     conduct: Conduct
+    robot: str | None = None
 
     @property
     def single(self) -> bool:
@@ -60,15 +64,18 @@ def run(work: Work, console: Console) -> int:
     """Do what is not done yet, show the results of all; returns the exit code.
 
     Raises:
-        IctampError: The work cannot begin; see `folder.open_run_folder`, `Method.check` and `EngineConfig.check`.
+        IctampError: The work cannot begin; see `folder.open_run_folder`, `Method.check`, `Method.suited_to` and
+            `EngineConfig.check`.
     """
     work.conduct.engine.check()
-    for method in {job.strategy: job.method for job in work.jobs}.values():
-        method.check()
+    for job in {(job.strategy, job.problem.spec.robot): job for job in work.jobs}.values():
+        job.suited.check()
     with open_run_folder(work.name, work.about, work.conduct) as folder:
         records = _records(work, folder)
         todo = [job for job in work.jobs if not (job.name in records and records[job.name].is_final)]
         done = len(work.jobs) - len(todo)
+        for note in _notes(work):
+            console.print(note, soft_wrap=True)
         console.print(f"{folder}: {format_count(len(todo), 'problem')} to solve, {done} done before", soft_wrap=True)
         index = Index(folder, [job.name for job in work.jobs])
         try:
@@ -80,6 +87,19 @@ def run(work: Work, console: Console) -> int:
         console.print(format_results(list(records.values())))
         _print_where(console, work, index, records, complete)
     return _exit_code(work, records, complete)
+
+
+def about_robot(robot: str | None) -> dict[str, str]:
+    """Entry of `Work.about` for a robot that replaces those of the scenes; none for the Panda, as in earlier runs."""
+    name = DEFAULT if robot is None else locate_robot(robot, Path.cwd())
+    return {} if name == DEFAULT else {"robot": name}
+
+
+def _notes(work: Work) -> list[str]:
+    """Sentences about the robot and the parts that serve with it."""
+    robot = [f"Robot: {work.robot}, in place of the scene's."] if work.robot is not None else []
+    stand_ins = [job.method.tell_stand_ins(job.problem.spec.robot) for job in work.jobs]
+    return list(filter(None, dict.fromkeys([*robot, *stand_ins])))
 
 
 def _exit_code(work: Work, records: Mapping[str, Record], complete: bool) -> int:

@@ -17,7 +17,9 @@ from ictamp_drake.core.files import refuse_unwritable
 from ictamp_drake.core.reading import parse_json, read_bytes
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.planning.result import StopReason
+from ictamp_drake.robots.spec import DEFAULT
 from ictamp_drake.tamp.explanation import Blocked, Explanation
+from ictamp_drake.tamp.torque_use import TorqueUse
 
 if TYPE_CHECKING:
     from ictamp_drake.tamp.solve import Solution
@@ -38,6 +40,9 @@ class Record:
         problem: Name of the problem.
         strategy: Name of the method. Empty in a run with one method.
         level: Level of the problem: easy, medium, hard, extreme or varied. None for your own scene.
+        robot: Robot of the scene: the name of one that ships, or the path of a robot file.
+        stand_ins: Names of the sampler and the estimator that served in place of those chosen, which were trained with
+            another robot.
         interference: Kinds of interference of the boxes outside the goal.
         seed: Random seed of the run.
         solved: Whether a plan was executed and verified.
@@ -65,12 +70,15 @@ class Record:
             of its motions [s], and the planning time until then [s]. `plan_length` and `plan_duration_s` are those of
             the last one, the best. All other times and counts end with the first one.
         stuck: Whether boxes were in the way of blocked actions, and the planner never asks for plans that move them.
+        torque: Largest share of a joint's torque limit that the plan uses. None when unsolved.
         replay_time_s: Computing time of one execution of the found plan [s]. None when unsolved. Earlier versions
             executed the plan a second time for this, with the whole scene awake and recorded.
         blocked: Number of rejected parameters k by cause, for each action that was tried and never succeeded, or that
             a sweep found to be impossible.
         obstacles: Number of parameters k with which the arm or the held box would have touched an obstacle, by
             obstacle, for each of these actions.
+        beyond: Number of parameters k for which the arm has no posture, by the joint whose limits are in the way, for
+            each of these actions; an empty name is out of reach. Only some k are looked at if there are many.
         error: Traceback when the problem broke down. Otherwise None.
         load: Load averages of the machine over 1, 5 and 15 minutes at the end.
     """
@@ -79,6 +87,8 @@ class Record:
     strategy: str = ""
     level: str | None
     seed: int
+    robot: str = DEFAULT
+    stand_ins: dict[str, str] = field(default_factory=dict)
     interference: tuple[str, ...] = ()
     solved: bool = False
     verified: bool | None = None
@@ -97,9 +107,11 @@ class Record:
     seconds_by_stage: dict[str, float] = field(default_factory=dict)
     found: tuple[tuple[float, ...], ...] = ()
     stuck: bool = False
+    torque: TorqueUse | None = None
     replay_time_s: float | None = None
     blocked: dict[str, dict[str, int]] = field(default_factory=dict)
     obstacles: dict[str, dict[str, int]] = field(default_factory=dict)
+    beyond: dict[str, dict[str, int]] = field(default_factory=dict)
     error: str | None = None
     load: tuple[float, ...] = field(default_factory=os.getloadavg)
 
@@ -112,7 +124,10 @@ class Record:
     def explanation(self) -> Explanation:
         """Explanation of why the search ended."""
         swept = self.stop_reason == StopReason.IMPOSSIBLE.name
-        blocked = (Blocked(a, _causes(counts), self.obstacles.get(a, {}), swept) for a, counts in self.blocked.items())
+        blocked = (
+            Blocked(a, _causes(counts), self.obstacles.get(a, {}), swept, self.beyond.get(a, {}))
+            for a, counts in self.blocked.items()
+        )
         return Explanation(
             stop_reason=self.stop_reason,
             blocked=tuple(blocked),
@@ -138,7 +153,7 @@ def run_name(problem: str, strategy: str, seed: int) -> str:
 
 def record_of(problem: str, strategy: str, level: str | None, seed: int, solution: "Solution") -> Record:
     """The record of a search that came to its end."""
-    result = solution.result
+    result, explanation = solution.result, solution.explain()
     plan = result.plan if result.solved else None
     before = solution.planning_time_s - result.planning_time_s
     found = zip(solution.plans, result.found, strict=True) if solution.method.improve else ()
@@ -147,6 +162,8 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
         strategy=strategy,
         level=level,
         seed=seed,
+        robot=solution.task.spec.robot,
+        stand_ins=dict(solution.stand_ins),
         interference=solution.task.spec.interference,
         solved=result.solved,
         verified=result.verified,
@@ -167,10 +184,12 @@ def record_of(problem: str, strategy: str, level: str | None, seed: int, solutio
             **{stage: _round_seconds(seconds) for stage, seconds in result.seconds_by_stage.items()},
         },
         found=tuple((len(p), *map(_round_seconds, (p.duration, before + each.seconds))) for p, each in found),
-        stuck=solution.explain().stuck,
+        stuck=explanation.stuck,
+        torque=solution.plan.torque if solution.plan is not None else None,
         replay_time_s=None if solution.execution_time_s is None else _round_seconds(solution.execution_time_s),
         blocked={str(report.action): _to_names(report.refusals) for report in result.blocked},
         obstacles={str(report.action): dict(report.obstacles) for report in result.blocked if report.obstacles},
+        beyond={blocked.action: dict(blocked.beyond) for blocked in explanation.blocked if blocked.beyond},
     )
 
 

@@ -47,7 +47,7 @@ def sweep(jobs: Sequence[Job], folder: Path, conduct: Conduct, watch: Watch, *, 
     """
     board = Board(CONTEXT, len(jobs))
     shared = conduct.engine.engine == "local"
-    learned = any(job.method.learned for job in jobs)
+    learned = any(job.suited.learned for job in jobs)
     start = (start_worker, board if shared else None, learned, conduct.meshcat)
     watch(board, [])
     if conduct.engine.is_inline(alone):

@@ -24,6 +24,8 @@ def format_results(records: Sequence[Record]) -> Group:
     if failures := sum((Counter(record.failures) for record in records), Counter[str]()):
         steps = sum(record.low_level_steps for record in records)
         parts += [Text(), _failures(failures, steps)]
+    if len(records) == 1 and records[0].torque is not None:
+        parts += [Text(), Text(str(records[0].torque))]
     for record in records:
         if not record.solved and (record.error is not None or not record.strategy):
             parts += [Text(), *explain_unsolved(record)]

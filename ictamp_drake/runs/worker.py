@@ -100,7 +100,7 @@ def begin_job(slot: int, job: Job, artefacts: Artefacts, folder: Path | None = N
         task = job.task or prepare(job.problem.spec, job.method, job.problem.name)
         listeners = _listeners(board, slot, task.spec)
         if folder is not None and artefacts != "none":
-            listeners.append(partial(keep_plan, task, job.method, folder))
+            listeners.append(partial(keep_plan, task, job.suited, folder))
         solution = solve(task, job.method, listeners=listeners, stop=lambda: board.stopping)
         record = record_of(job.problem.name, job.strategy, job.problem.level, job.method.seed, solution)
         if artefacts != "none":

@@ -1,9 +1,10 @@
 """Levels of constrained packing: the contents of their scenes and their committed problem files."""
 
 import itertools
+import math
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 
@@ -11,7 +12,15 @@ from ictamp_drake.core.checks import check_choice
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.models.things import BOXES, read_thing
 from ictamp_drake.scenes.layout import Spot, Stack
-from ictamp_drake.scenes.spec import SUPPORT_SIZES, BoxSpec, SupportSpec, Vector
+from ictamp_drake.scenes.spec import (
+    SUPPORT_SIZES,
+    BoxSpec,
+    SceneSpec,
+    SupportSpec,
+    Vector,
+    load_scene,
+    replace_robot,
+)
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,14 @@ SUPPORTS = {
 """The table and the rack that stands on it."""
 
 
+ARM_OFFSETS: dict[str, Vector] = {"iiwa14_wsg50": (0.0, 0.05, 0.4), "ur5e_2f85": (0.05, -0.05, 0.1)}
+"""Position of each robot's base relative to the Panda's in the scenes of the levels [m].
+
+Axes are those of the base. The offset brings table and rack well within reach; all else stays where it is. Other robots
+stand where the Panda does.
+"""
+
+
 def boxes_of(stack: Stack, spot: Spot, floor: float = 0.0) -> dict[str, BoxSpec]:
     """Boxes of a stack at a spot on a top face of height `floor` [m]."""
     boxes = {}
@@ -78,6 +95,27 @@ def problem_files(level: str, selection: str = ":") -> list[Path]:
     check_choice("level", level, LEVELS)
     folder = Path(str(resources.files("ictamp_drake.scenes"))) / "problems" / level
     return [folder / f"{number:03d}.yaml" for number in parse_selection(selection, COUNTS[level], of=f" of {level}")]
+
+
+def load_problem(path: Path, robot: str | None = None) -> SceneSpec:
+    """Load a scene of a level, with another robot if one is given; see `place_robot`."""
+    spec = load_scene(path)
+    return spec if robot is None else place_robot(spec, robot)
+
+
+def place_robot(spec: SceneSpec, robot: str) -> SceneSpec:
+    """Return a scene of a level with another robot, at its place in `ARM_OFFSETS`.
+
+    Raises:
+        IctampError: There is no such robot, or its file or models are not valid.
+    """
+    spec = replace_robot(spec, robot)
+    if robot not in ARM_OFFSETS:
+        return spec
+    (x, y, z), (dx, dy, dz), yaw = spec.arm.position, ARM_OFFSETS[robot], math.radians(spec.arm.yaw)
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    position = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
+    return replace(spec, arm=replace(spec.arm, position=position))
 
 
 def parse_selection(selection: str, count: int, option: str = "problems", of: str = "") -> range:

@@ -20,7 +20,7 @@ from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.things import SUPPORTS, read_thing
-from ictamp_drake.robots.spec import DEFAULT, is_robot_file
+from ictamp_drake.robots.spec import DEFAULT, is_robot_file, read_robot
 from ictamp_drake.scenes.regions import Area, PoseSpec, RegionSpec, check_areas
 
 if TYPE_CHECKING:
@@ -237,12 +237,40 @@ def load_scene(path: Path | str) -> SceneSpec:
     """
     with in_file(path):
         spec = decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
-    return replace(spec, robot=locate_robot(spec.robot, Path(path).parent))
+        spec = replace(spec, robot=locate_robot(spec.robot, Path(path).parent))
+        check_widths(spec)
+    return spec
+
+
+def check_widths(spec: SceneSpec) -> None:
+    """Raise IctampError unless every box has a horizontal side that fits between the fingers of the robot."""
+    widest = read_robot(spec.robot).gripper.widest
+    for name, box in spec.boxes.items():
+        if box.width > widest:
+            problem = f"expected a horizontal side of at most {widest:g} m for the gripper, got {{value}}"
+            raise IctampError(Code.TOO_WIDE, problem, field=f"boxes.{name}.size", value=box.size)
 
 
 def locate_robot(robot: str, folder: Path) -> str:
     """Return the name of a robot that ships unchanged, and the path of a robot file as seen from the folder."""
     return str(folder / robot) if is_robot_file(robot) else robot
+
+
+def replace_robot(spec: SceneSpec, robot: str) -> SceneSpec:
+    """Return the scene with another robot.
+
+    Args:
+        spec: Scene.
+        robot: Name of a robot that ships, or the path of a robot file.
+
+    Raises:
+        IctampError: There is no such robot, or its file or models are not valid.
+    """
+    from ictamp_drake.robots.robot import find_robot  # noqa: PLC0415  (loads Drake, and no help needs it)
+
+    name = locate_robot(robot, Path.cwd())
+    find_robot(name)
+    return replace(spec, robot=name)
 
 
 def save_scene(spec: SceneSpec, path: Path | str) -> None:

@@ -17,9 +17,11 @@ from ictamp_drake.learning.checkpoint import SHIPPED, SKILLS, check_all
 from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.observation.situations import LIFT
 from ictamp_drake.robots.grip import LEAST_FORCE, SAFETY
+from ictamp_drake.robots.spec import DEFAULT
 from ictamp_drake.skills.context import SamplerConfig, SamplerContext, SkillConfig, SkillContext
 
 if TYPE_CHECKING:
+    from ictamp_drake.skills.chain import ChainSampler
     from ictamp_drake.skills.ik_sampler import OptimizationSampler
     from ictamp_drake.skills.pick import Pick
     from ictamp_drake.skills.place import Place
@@ -149,8 +151,30 @@ class OptimizationConfig:
 
 
 @dataclass(frozen=True)
+class GeometricConfig:
+    """Constants of the sampler that draws k from geometry and at random, in turns.
+
+    Attributes:
+        turn: Number of candidates from geometry tried before random ones have their turn, and the other way round.
+    """
+
+    turn: int = 4
+
+    def __post_init__(self) -> None:
+        check_range("samplers.geometric.turn", self.turn, 1, 4096)
+
+    def create(self, context: SamplerContext) -> "ChainSampler":
+        """The sampler for one scene."""
+        from ictamp_drake.skills.chain import ChainSampler
+        from ictamp_drake.skills.geometric import GeometricSampler
+
+        geometric = GeometricSampler(context.world, context.arm)
+        return ChainSampler([geometric, UniformConfig().create(context)], self.turn)
+
+
+@dataclass(frozen=True)
 class PolicyConfig:
-    """Constants of the sampler that draws k from the learned policy.
+    """Constants of the sampler that draws k from the learned policy, which was trained with the Panda.
 
     Attributes:
         checkpoints: Folder of the trained policies. The default is the package's own.
@@ -175,6 +199,16 @@ class PolicyConfig:
         check_range("samplers.policy.haste", self.haste, 0, 1)
         check_range("samplers.policy.trust", self.trust, 1, 4096)
         check_range("samplers.policy.belief", self.belief, 0, 1)
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot that the policies were trained with."""
+        return DEFAULT
+
+    @property
+    def stand_in(self) -> str:
+        """Name of the sampler that serves with other robots."""
+        return "geometric"
 
     def create(self, context: SamplerContext) -> "PolicySampler":
         """The sampler for one scene.

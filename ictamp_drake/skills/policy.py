@@ -49,7 +49,7 @@ class PolicySampler:
         """Any number of k: the best of the policy's candidates, then the best random ones, in turns."""
         observation = self._observer.observe_all([(c, action)])
         uniform = self._uniform.draws(c, action, rng)
-        geometric = iter(()) if self._applies(c, action) else self._geometric.draws(c, action, rng)
+        geometric = iter(()) if self.applies(c, action) else self._geometric.draws(c, action, rng)
         while True:
             yield from islice(geometric, self._config.trust)
             (learned,) = self._models[action.name].draw(observation, self._config.candidates, rng)
@@ -57,9 +57,14 @@ class PolicySampler:
             random = np.array(list(islice(uniform, self._config.candidates)))
             yield from self._best(c, action, observation, random, self._config.belief)
 
-    def _applies(self, c: Configuration, action: Action) -> bool:
-        """Whether the policy has learned from boxes and supports of such sizes, no region, no support above the box."""
+    def applies(self, c: Configuration, action: Action) -> bool:
+        """Whether the policy was trained for the action.
+
+        It learned from the Panda, boxes and supports of some sizes, no region, and no support above the box.
+        """
         spec, (box, place) = self._world.spec, action.args
+        if spec.robot != self._config.robot:
+            return False
         least, most = LEARNED_SIDES
         sides = [side for name in action.args if name in spec.boxes for side in spec.boxes[name].size]
         if min(sides) < least or max(sides) > most:

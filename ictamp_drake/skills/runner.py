@@ -14,6 +14,7 @@ from ictamp_drake.skills.judge import judge
 from ictamp_drake.skills.lookahead import Lookahead
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.outcome import Outcome
+from ictamp_drake.world.poses import to_pose
 from ictamp_drake.world.simulate import Physics
 
 
@@ -60,8 +61,17 @@ class Skills:
         k, motion, refusals = self._plan(c, action, drawing, rng, stopwatch)
         rejections = tuple(refusal.failure for refusal in refusals)
         if isinstance(motion, Refusal):
-            obstacles = tuple(refusal.obstacle for refusal in (*refusals, motion) if refusal.obstacle)
-            return Attempt(action, motion.failure, None, k, (), rejections, stopwatch.seconds, motion.detail, obstacles)
+            every = (*refusals, motion)
+            return Attempt(
+                action,
+                motion.failure,
+                k=k,
+                rejections=rejections,
+                seconds=stopwatch.seconds,
+                detail=motion.detail,
+                obstacles=tuple(refusal.obstacle for refusal in every if refusal.obstacle),
+                unreached=tuple(to_pose(refusal.unreached) for refusal in every if refusal.unreached is not None),
+            )
         attempt = Attempt[Configuration](action, None, None, k, motion, rejections)
         if not self.promises or k is None:
             return self._run_motion(c, attempt, promised, stopwatch)

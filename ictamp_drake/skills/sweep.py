@@ -17,7 +17,7 @@ from ictamp_drake.motion.config import MotionConfig
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.skills.config import PickConfig, PlaceConfig
 from ictamp_drake.skills.grid import YAWS, Face, GraspGrid, Grid, GridPose, Lines, PlacementGrid, hand_pose
-from ictamp_drake.world.poses import to_transform
+from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 
 _MAX_EFFORT = 50_000
@@ -30,22 +30,35 @@ _MAX_TILT = 0.01
 """Maximum tilt of a box whose grasps are swept [rad]."""
 _ATTEMPTS = 1000
 """Maximum number of postures tried for one hand pose: in effect all of them."""
+_MISSED = 60
+"""Number of poses without a posture that are kept, about."""
 _BLAMED = 10
 """Number of postures for each one that is looked at to name an obstacle."""
 
 
 class Sweep:
-    """Sweeps over the grasps and placements in a scene."""
+    """Sweeps over the grasps and placements in a scene.
+
+    They take for granted that the first joint turns the arm about the vertical, that the last one turns the hand about
+    its own axis, and that no posture is missed. For other arms, and with numeric inverse kinematics, a sweep says
+    nothing: it returns None.
+
+    Attributes:
+        unreached: Some poses of G, shape (7,) each, at which the arm has no posture, by the swept action and its box.
+    """
 
     def __init__(self, world: World, motion: MotionConfig, pick: PickConfig, place: PlaceConfig) -> None:
-        kinematics = replace(motion.kinematics, attempts=_ATTEMPTS)
+        kinematics, robot = replace(motion.kinematics, attempts=_ATTEMPTS), world.robot
         self._world, self._pick, self._place = world, pick, place
-        self._arm = ArmKinematics(world.robot, to_transform(world.spec.arm.X_WB), kinematics)
+        self._arm = ArmKinematics(robot, to_transform(world.spec.arm.X_WB), kinematics)
+        self._knows = self._arm.is_sure and bool(robot.waist and robot.wrist)
         self._scene = CollisionScene(world, motion.held_shrinkage, 0.0)
         self._lines = Lines(self._arm, self._scene)
         self._columns = Columns(world, self._arm)
         self._left = _MAX_EFFORT
         self._allowed = 0
+        self.unreached: dict[tuple[str, str], list[FloatArray]] = {}
+        self._missed: list[RigidTransform] = []
         self._latest: tuple[object, tuple[float, ...], FloatArray] = (None, (), np.empty(0))
 
     def refuse_grasps(self, c: Configuration, box: str) -> Counter[str] | None:
@@ -53,20 +66,28 @@ class Sweep:
 
         Returns:
             Number of grasps by the support in their way; OUT_OF_REACH for those out of reach. None if a grasp is
-            free, if there are too many to test, or if the box is tilted.
+            free, if there are too many to test, if the box is tilted, or if the arm is not one that can be swept.
         """
         is_level = self._world.upright_frame(c, box).X_WU.rotation().matrix()[2, 2] > np.cos(_MAX_TILT)
-        return self._refuse(GraspGrid(self._world, self._lines, self._pick, c, box)) if is_level else None
+        if not is_level:
+            return None
+        return self._refuse(("pick", box), GraspGrid(self._world, self._lines, self._pick, c, box))
 
     def refuse_placements(self, c: Configuration, box: str, face: Face) -> Counter[str] | None:
         """Count the refused placements of a box on a face, held in any grasp; see `refuse_grasps`."""
-        return self._refuse(PlacementGrid(self._world, self._lines, self._place, c=c, box=box, face=face))
+        grid = PlacementGrid(self._world, self._lines, self._place, c=c, box=box, face=face)
+        return self._refuse(("place", box), grid)
 
-    def _refuse(self, grid: Grid) -> Counter[str] | None:
+    def _refuse(self, action: tuple[str, str], grid: Grid) -> Counter[str] | None:
+        if not self._knows:
+            return None
         self._allowed = self._left // 2
-        before = self._allowed
+        before, self._missed = self._allowed, []
         try:
-            return self._count_refused(grid)
+            refused = self._count_refused(grid)
+            step = len(self._missed) // _MISSED + 1
+            self.unreached.setdefault(action, []).extend(map(to_pose, self._missed[::step]))
+            return refused
         except _UndecidedError:
             return None
         finally:
@@ -102,6 +123,7 @@ class Sweep:
             postures = self._arm.turning_postures(hand_pose(grid.X_WF, p_FG, grid.top, 0.0))
             if not len(postures):
                 refused[OUT_OF_REACH] += len(yaws)
+                self._missed.append(hand_pose(grid.X_WF, p_FG, grid.top, 0.0))
             elif not any(self._columns.links.is_free(grid.c, q) for q in postures):
                 refused[self._columns.blame(self._columns.links, grid.c, postures)] += len(yaws)
             else:
@@ -126,7 +148,9 @@ class Sweep:
         if len(spots):
             p_WG = (grid.X_WF @ np.column_stack([spots, np.full(len(spots), grid.top)]).T).T
             near = self._columns.is_within_reach(p_WG)
-            refused[OUT_OF_REACH] += len(YAWS) * int(np.count_nonzero(~near))
+            far = spots[~near]
+            refused[OUT_OF_REACH] += len(YAWS) * len(far)
+            self._missed += [hand_pose(grid.X_WF, p, grid.top, 0.0) for p in far[:: len(far) // _MISSED + 1]]
             for p_FG, obstacle in zip(spots[near], self._columns.find_obstacles(p_WG[near]), strict=True):
                 if obstacle:
                     refused[obstacle] += len(grid.yaws(p_FG))
@@ -141,6 +165,7 @@ class Sweep:
             return known
         postures = self._turning_postures(grid.X_WF, pose)
         if not len(postures):
+            self._missed.append(X_WG)
             return known
         around = grid.around(pose, postures[0])
         if not self._is_hand_free(around, postures[0]):
@@ -152,7 +177,10 @@ class Sweep:
 
         if self._arm.solve(X_WG, self._arm.robot.home, accept) is not None:
             return None
-        return known or self._columns.blame(self._scene, around[-1], postures[::_BLAMED])
+        cause = known or self._columns.blame(self._scene, around[-1], postures[::_BLAMED])
+        if cause == OUT_OF_REACH:
+            self._missed.append(X_WG)
+        return cause
 
     def _turning_postures(self, X_WF: RigidTransform, pose: GridPose) -> FloatArray:
         """`ArmKinematics.turning_postures` of a pose, shape (m, n) [rad]; those of yaw 0 are kept for the next yaw."""

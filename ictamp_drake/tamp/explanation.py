@@ -14,16 +14,11 @@ from ictamp_drake.skills.config import GRID_STEP, GRID_TURN
 from ictamp_drake.viz.reasons import NO_REASONS, SHOWN, Reasons, RefusedAction
 
 if TYPE_CHECKING:
-    from ictamp_drake.core.types import Configuration
+    from ictamp_drake.core.types import Action, Configuration
     from ictamp_drake.scenes.spec import SceneSpec
 
 _PARAMETERS = {"pick": "grasp", "place": "placement"}
 _GRID = f"on a grid of {1000 * GRID_STEP:g} mm and {GRID_TURN:g} deg"
-_SWEPT: Mapping[Cause, str] = {
-    Failure.NO_INVERSE_KINEMATICS: "out of reach",
-    Failure.GOAL_IN_COLLISION: "in collision",
-}
-"""Words for causes in a sweep, which tests all parameters on a grid and all postures of the arm."""
 _SLOW_GENERATOR = 0.25
 """Share of the time spent on finding high-level plans above which the text blames the plan generator."""
 
@@ -37,12 +32,15 @@ class Blocked:
         refusals: Number of refused parameters k by cause, the most frequent first.
         obstacles: Number of refused k by the name of the obstacle that the arm or the held box would have touched.
         swept: Whether these are all k on a grid, so that the action counts as impossible.
+        beyond: Number of k for which the arm has no posture, by the joint whose limits are in the way; an empty name is
+            out of reach. Only some k are looked at if there are many.
     """
 
     action: str
     refusals: Mapping[Cause, int]
     obstacles: Mapping[str, int] = field(default_factory=dict)
     swept: bool = False
+    beyond: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def advice(self) -> str:
@@ -61,9 +59,17 @@ class Blocked:
         total = sum(self.refusals.values())
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameter")
         if self.swept:
-            causes = {_SWEPT.get(cause, cause): count for cause, count in self.refusals.items()}
+            beyond = " or ".join(self._limits) or _describe("")
+            words = {Failure.NO_INVERSE_KINEMATICS: beyond, Failure.GOAL_IN_COLLISION: "in collision"}
+            causes: dict[Cause, int] = {words.get(cause, cause): count for cause, count in self.refusals.items()}
             return f"no {what} {_GRID}: {total} of {total} refused: {list_causes(causes)}"
-        return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}"
+        limits = f" ({' or '.join(self._limits)})" if self._limits else ""
+        return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}{limits}"
+
+    @property
+    def _limits(self) -> list[str]:
+        """Out of reach, and limits of joints, in words, the most frequent first."""
+        return [_describe(joint) for joint, _ in Counter(self.beyond).most_common(SHOWN)]
 
     def __str__(self) -> str:
         """E.g., "pick(red_box, rack): 30 of 30 grasps refused: no collision-free path; in the way: blue_box (30)"."""
@@ -113,11 +119,18 @@ class Explanation:
     ) -> "Explanation":
         """Return the explanation of a search that took `planning_time_s` [s], in a scene, by a selection rule."""
         boxes = scene.boxes.keys() if scene else ()
+        beyond = {} if scene is None or result.solved else _count_beyond(result, scene)
         swept = result.stop_reason is StopReason.IMPOSSIBLE
         return cls(
             stop_reason=result.stop_reason.name,
             blocked=tuple(
-                Blocked(str(report.action), dict(report.refusals.items()), dict(report.obstacles), swept)
+                Blocked(
+                    str(report.action),
+                    dict(report.refusals.items()),
+                    dict(report.obstacles),
+                    swept,
+                    beyond.get(report.action, {}),
+                )
                 for report in result.blocked
             ),
             failures=dict(result.failures.most_common()),
@@ -208,6 +221,21 @@ class Explanation:
         if self.solved:
             return self.reason
         return "\n".join([self.reason, *(f"  {line}" for line in self.lines())])
+
+
+def _count_beyond(result: PlanningResult[Any], scene: "SceneSpec") -> "dict[Action, Mapping[str, int]]":
+    """Count out of reach and joint limits for the blocked actions, see `Blocked.beyond`."""
+    unreached = {report.action: report.unreached for report in result.blocked if report.unreached}
+    if not unreached:
+        return {}
+    from ictamp_drake.motion.reach import Reach  # noqa: PLC0415  (Drake takes long to load, and no help needs it)
+
+    reach = Reach(scene)
+    return {action: reach.count(poses) for action, poses in unreached.items()}
+
+
+def _describe(joint: str) -> str:
+    return f"beyond the limits of {joint}" if joint else "out of reach"
 
 
 def list_causes(causes: Mapping[Cause, int]) -> str:

@@ -43,6 +43,8 @@ def find_impossible(task: Task, skills: SkillsConfig) -> tuple[ActionReport, ...
         if not found:
             return ()
         reports.update({report.action: report for report in found})
+    for action, report in reports.items():
+        report.unreached += sweep.unreached.get((action.name, action.args[0]), [])
     return tuple(reports.values())
 
 

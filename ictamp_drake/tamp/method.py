@@ -6,12 +6,14 @@ A choice between implementations is a dataclass with one field for each; its fie
 import dataclasses
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, get_args
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeGuard, get_args
 
 import tyro
 
 from ictamp_drake.core.checks import check_choice, check_range
-from ictamp_drake.core.protocols import Config, Learned, NeedsEstimator
+from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.core.protocols import Config, Learned, NeedsEstimator, Trained
 from ictamp_drake.core.spelling import respell
 from ictamp_drake.estimators.constant import ConstantConfig
 from ictamp_drake.estimators.context import EstimatorConfig
@@ -28,6 +30,7 @@ from ictamp_drake.planning.rule import RuleConfig
 from ictamp_drake.planning.stap import StapConfig
 from ictamp_drake.planning.uniform import UniformAllocationConfig
 from ictamp_drake.skills.config import (
+    GeometricConfig,
     OptimizationConfig,
     PickConfig,
     PlaceConfig,
@@ -55,12 +58,18 @@ class Samplers:
     """Sources of the skill parameter k."""
 
     policy: PolicyConfig = PolicyConfig()
+    geometric: GeometricConfig = GeometricConfig()
     optimization: OptimizationConfig = OptimizationConfig()
     uniform: UniformConfig = UniformConfig()
 
     def by_name(self) -> dict[str, SamplerConfig]:
         """Each by the name that chooses it."""
-        return {"policy": self.policy, "optimization": self.optimization, "uniform": self.uniform}
+        return {
+            "policy": self.policy,
+            "geometric": self.geometric,
+            "optimization": self.optimization,
+            "uniform": self.uniform,
+        }
 
 
 @dataclass(frozen=True)
@@ -227,6 +236,40 @@ class Method:
             check_choice("option", name, [field.name for field in dataclasses.fields(self)])
         return replace(self, **options)
 
+    def list_stand_ins(self, robot: str) -> dict[str, str]:
+        """List the parts that serve with a robot in place of those trained with another one, by their option.
+
+        Args:
+            robot: Robot of the scene: a name of one that ships, or the path of a robot file.
+
+        Raises:
+            IctampError: The rule needs an estimator that was trained with another robot.
+        """
+        if isinstance(self.rule_config, NeedsEstimator) and _is_foreign(self.estimator_config, robot):
+            name, _ = self.rule_config.estimator
+            problem = f"{{value}} needs the estimator {name}, which is not trained with the robot {robot}"
+            raise IctampError(Code.CONFLICT, problem, field="planner", value=self.name_part("planner"))
+        parts: dict[str, object] = {"sampler": self.sampler_config, "estimator": self.estimator_config}
+        return {option: part.stand_in for option, part in parts.items() if _is_foreign(part, robot)}
+
+    def tell_stand_ins(self, robot: str) -> str:
+        """Say in one line what `list_stand_ins` lists; empty if there is nothing."""
+        stand_ins = self.list_stand_ins(robot)
+        trained = ", ".join(self.name_part(option) for option in stand_ins)
+        served = " and ".join(f"the {option} {name}" for option, name in stand_ins.items())
+        serve = "serves" if len(stand_ins) == 1 else "serve"
+        instead = f"With {Path(robot).name}, {served} {serve} instead."
+        return f"Trained with another robot: {trained}. {instead}" if stand_ins else ""
+
+    def suited_to(self, robot: str) -> "Method":
+        """Return the method with the parts that serve with a robot, see `list_stand_ins`."""
+        return self.with_options(**self.list_stand_ins(robot))
+
+    def name_part(self, option: str) -> str:
+        """Name of a chosen part: that of the option, or that of its class."""
+        chosen = getattr(self, option)
+        return chosen if isinstance(chosen, str) else name_part(chosen)
+
     def check(self) -> None:
         """Raise IctampError now, rather than in every problem, if trained networks are missing or damaged."""
         for config in self.learned:
@@ -305,6 +348,11 @@ class Method:
         """The budget of the search after `elapsed` [s] of the time limit and `cpu_elapsed` [s] of processor time."""
         cpu_seconds = None if self.cpu_limit is None else max(0.0, self.cpu_limit - cpu_elapsed)
         return Budget(max(0.0, self.time_limit - elapsed), self.max_steps, cpu_seconds)
+
+
+def _is_foreign(part: object, robot: str) -> TypeGuard[Trained]:
+    """Whether the part was trained with another robot."""
+    return isinstance(part, Trained) and part.robot != robot
 
 
 SCENE_METHOD = Method(

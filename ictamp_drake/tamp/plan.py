@@ -3,19 +3,23 @@
 import tempfile
 import webbrowser
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydrake.trajectories import Trajectory
 
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.types import Action, Attempt, Configuration
+from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray
+from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.tamp.inverse_dynamics import torque_shares
 from ictamp_drake.tamp.plan_file import plan_content, predicates_of, write_content
 from ictamp_drake.tamp.plan_origin import Origin
 from ictamp_drake.tamp.plan_reading import read_parts
 from ictamp_drake.tamp.replay import Replay, duration, replay
 from ictamp_drake.tamp.symbols import goal_of
+from ictamp_drake.tamp.torque_use import TorqueUse, largest
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.commands import arm_trajectory
 from ictamp_drake.world.config import PhysicsConfig
@@ -51,6 +55,22 @@ class Plan:
     def duration(self) -> float:
         """Total time of the motions, without pauses in between [s]."""
         return duration(self.attempts)
+
+    @cached_property
+    def torque_shares(self) -> FloatArray:
+        """Largest share of each joint's torque limit that each step uses, shape (steps, n); more than 1 is too much.
+
+        See `tamp.inverse_dynamics`.
+        """
+        return torque_shares(self.spec, self.c, self.attempts)
+
+    @cached_property
+    def torque(self) -> TorqueUse | None:
+        """Largest share of a joint's torque limit that the plan uses, with the joint and the step; None if it is empty.
+
+        Its text is a sentence: "Torque: at most 63 % of a joint's limit (panda_joint2, step 3)."
+        """
+        return largest(self.torque_shares, find_robot(self.spec.robot).joints)
 
     def __len__(self) -> int:
         return len(self.attempts)

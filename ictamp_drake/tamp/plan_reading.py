@@ -154,9 +154,10 @@ class _Segment:
     touches: tuple[str, ...] | None = None
 
     def segment(self) -> Segment:
-        if len(set(map(len, self.control_points))) > 1:
-            problem = "expected points of the same length, got {value}"
-            raise IctampError(Code.WRONG_LENGTH, problem, field="control_points", value=self.control_points)
+        for number, point in enumerate(self.control_points):
+            if len(point) != (joints := len(self.control_points[0])):
+                problem, field = f"expected {joints} numbers, got {{value}}", f"control_points[{number}]"
+                raise IctampError(Code.WRONG_LENGTH, problem, field=field, value=point)
         return Segment(
             label=self.label,
             duration=self.duration,

@@ -1,7 +1,7 @@
 """Solve a task: find a plan that was executed in simulation, or the reasons why there is none."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from time import perf_counter, process_time
 from typing import Any
 
@@ -14,6 +14,7 @@ from ictamp_drake.planning.planner import Budget, PlannerConfig, Verify
 from ictamp_drake.planning.result import ActionReport, PlanningResult, StopReason
 from ictamp_drake.planning.tree import Tree
 from ictamp_drake.skills import (  # noqa: F401  (loaded now, so that no search is charged with it)
+    chain,
     ik_sampler,
     pick,
     place,
@@ -43,7 +44,8 @@ class Solution:
         setup_time_s: Part of the processor time that was spent before the search [s].
         geometric_time_s: Processor time until the first plan was finished, before any of its steps ran in physics [s];
             None when no plan was finished, or when each step runs in physics at once.
-        method: Method that solved the task.
+        method: Method that solved the task, with the parts that served.
+        stand_ins: Names of the parts that served in place of those trained with another robot, by their option.
     """
 
     task: Task
@@ -53,6 +55,7 @@ class Solution:
     setup_time_s: float
     geometric_time_s: float | None = None
     method: Method = SCENE_METHOD
+    stand_ins: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def plan(self) -> Plan | None:
@@ -96,6 +99,9 @@ def solve(
     A goal that holds already is reached by the empty plan, whatever the budget. With `sweep`, there is no search when
     an action that every plan needs is impossible. With `improve`, the search goes on after the first plan.
 
+    Where the sampler or the estimator was trained with another robot than that of the task, another one serves, see
+    `Solution.stand_ins`.
+
     Drake's diagrams refer to each other, so only `gc.collect()` frees those of earlier solutions. Call it once per
     problem in a loop of your own, which otherwise grows by some megabytes a problem; runs of this package do so.
 
@@ -108,10 +114,13 @@ def solve(
             or as a configuration of your own, e.g. sampler=MySampler().
 
     Raises:
-        IctampError: An option or its value does not exist, or the task was loaded with different physics.
+        IctampError: An option or its value does not exist, the task was loaded with different physics, or the rule
+            needs an estimator that was trained with another robot.
     """
     started, cpu_started = perf_counter(), process_time()
     method = method.with_options(**options)
+    stand_ins = method.list_stand_ins(task.spec.robot)
+    method = method.with_options(**stand_ins)
     if method.physics != task.physics.config:
         problem = "expected the physics of the task"
         raise IctampError(Code.CONFLICT, problem, field="physics", advice="pass the same method to load and solve")
@@ -141,7 +150,7 @@ def solve(
     result = planner.run() if not impossible else _refuse(task, impossible)
     geometric = None if result.geometric_time_s is None else setup + result.geometric_time_s
     planning, cpu_time = before + result.planning_time_s, setup + result.cpu_time_s
-    return Solution(task, result, planning, cpu_time, setup, geometric, method)
+    return Solution(task, result, planning, cpu_time, setup, geometric, method, stand_ins)
 
 
 def _refuse(task: Task, impossible: tuple[ActionReport, ...]) -> PlanningResult[Configuration]:

@@ -9,7 +9,7 @@ from ictamp_drake.core.reading import in_file
 from ictamp_drake.core.types import Configuration, State
 from ictamp_drake.robots.grip import check_weight
 from ictamp_drake.robots.robot import find_robot
-from ictamp_drake.scenes.spec import SceneSpec, load_scene
+from ictamp_drake.scenes.spec import SceneSpec, load_scene, replace_robot
 from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.symbolic.domain import Domain
 from ictamp_drake.symbolic.goal import Goal
@@ -53,18 +53,27 @@ class Task:
     setup_cpu_time_s: float
 
 
-def load(scene: Path | str | SceneSpec, method: Method = SCENE_METHOD, *, start: Start | None = None) -> Task:
+def load(
+    scene: Path | str | SceneSpec,
+    method: Method = SCENE_METHOD,
+    *,
+    start: Start | None = None,
+    robot: str | None = None,
+) -> Task:
     """Read a scene, let it come to rest, and check that it can be planned in.
 
     Args:
         scene: YAML file, or a scene made in Python.
         method: Method whose physics and predicates are used; pass the same method to `solve`.
         start: Observed start of arm, hand and boxes, which replaces the start in the scene.
+        robot: Robot that replaces that of the scene: a name of one that ships, or the path of a robot file.
 
     Raises:
-        IctampError: The file, the scene, its start or its goal is not valid; one sentence says why.
+        IctampError: The file, the scene, its robot, its start or its goal is not valid; one sentence says why.
     """
     spec, where = (scene, "the scene") if isinstance(scene, SceneSpec) else (load_scene(scene), str(scene))
+    if robot is not None:
+        spec = replace_robot(spec, robot)
     return prepare(spec if start is None else observed_scene(spec, start), method, where)
 
 

@@ -19,7 +19,7 @@ class Entry:
         seed: Random seed of the method.
         solved: Whether a plan was found.
         reason: Reason why the problem was not solved, as a clause; empty when it was solved.
-        details: Further explanations of the reason, one clause each.
+        details: Further explanations of the reason, or facts about the plan, one line each.
         error: Description of the breakdown; empty when there was none.
         seconds: Planning time [s].
         skills: Number of skills in the plan; None when there is no plan.

@@ -14,6 +14,7 @@ import numpy as np
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.files import write_whole
 from ictamp_drake.core.types import Attempt, Configuration
+from ictamp_drake.motion.reach import Reach
 from ictamp_drake.planning.tree import Step, Tree
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.viz.drawing import to_hex
@@ -26,6 +27,9 @@ from ictamp_drake.world.outcome import Frame
 
 TIME_UNIT, POSE_UNIT = 1e-3, 1e-4
 """Tracks are whole numbers of these: time [s]; position [m] and components of the unit quaternion."""
+
+DESCRIBED = 300
+"""Maximum number of steps of which the page says whether they were out of reach or a joint has a limit."""
 
 SCRIPTS = ("log", "tree", "facts", "player", "why", "controls")
 """Parts of the page's JavaScript, in their order."""
@@ -60,7 +64,7 @@ def search_html(
         "tree": (record := tree.to_dict()),
         "layout": _layout(Layout(record)),
         "failures": {f.name: {"sentence": str(f), "color": to_hex(CAUSE_COLORS[f])} for f in Failure},
-        "attempts": {n: _attempt(step.attempt) for n, step in enumerate(tree.log) if isinstance(step, Step)},
+        "attempts": _attempts(spec, tree),
         "scene": {
             "bodies": list(stage.poses(tree.root.c)),
             "boxes": list(spec.boxes),
@@ -94,11 +98,24 @@ def _layout(layout: Layout) -> Record:
     }
 
 
-def _attempt(attempt: Attempt[Configuration]) -> Record:
-    """Facts of a step that the record lacks."""
+def _attempts(spec: SceneSpec, tree: Tree[Configuration]) -> dict[int, Record]:
+    """Facts of the steps, by their index in the tree's log, that the record lacks."""
+    steps = {number: step.attempt for number, step in enumerate(tree.log) if isinstance(step, Step)}
+    unreached = {
+        number: attempt.unreached[-1]
+        for number, attempt in steps.items()
+        if attempt.failure is Failure.NO_INVERSE_KINEMATICS and attempt.unreached and not attempt.detail
+    }
+    some = dict([*unreached.items()][:DESCRIBED])
+    reach = Reach(spec)
+    said = {number: reach.describe(pose) for number, pose in some.items()}
+    return {number: _attempt(attempt, attempt.detail or said.get(number, "")) for number, attempt in steps.items()}
+
+
+def _attempt(attempt: Attempt[Configuration], detail: str) -> Record:
     return {
         "seconds": round(sum(attempt.seconds.values()), 3),
-        "detail": attempt.detail,
+        "detail": detail,
         "segments": [[segment.label, round(segment.duration, 3)] for segment in attempt.motion],
     }
 

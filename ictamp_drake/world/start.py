@@ -8,6 +8,7 @@ from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import Atom, Configuration, State
 from ictamp_drake.robots.grip import check_weight
+from ictamp_drake.scenes.spec import check_widths
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.config import PredicateConfig
 from ictamp_drake.world.resting import explain_loose, show_length
@@ -29,7 +30,7 @@ def start_configuration(world: World, abstraction: SceneAbstraction, physics: Ph
             box of `start.held` or cannot hold it, or the scene is not at rest.
     """
     _check_joints(world)
-    _check_widths(world)
+    check_widths(world.spec)
     c, held = world.initial_configuration(), world.spec.start.held
     check_overlaps(world, c, "boxes")
     state = abstraction(c)
@@ -60,14 +61,6 @@ def _check_joints(world: World) -> None:
         raise IctampError(Code.WRONG_LENGTH, problem, field="start.joints", value=joints)
     for number, (position, lower, upper) in enumerate(zip(joints, robot.lower, robot.upper, strict=False)):
         check_range(f"start.joints[{number}]", position, lower, upper, " rad")
-
-
-def _check_widths(world: World) -> None:
-    widest = world.robot.gripper.max_side
-    for name, box in world.spec.boxes.items():
-        if box.width > widest:
-            problem = f"expected a horizontal side of at most {widest:g} m for the gripper, got {{value}}"
-            raise IctampError(Code.TOO_WIDE, problem, field=f"boxes.{name}.size", value=box.size)
 
 
 def find_overlaps(world: World, c: Configuration) -> list[Touch]:

@@ -8,8 +8,8 @@ import torch
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ictamp_drake.learning.clearance import PARTS, Blocks, clearances
-from ictamp_drake.models.hand import FINGER, MAX_OPENING, PALM
+from ictamp_drake.learning.clearance import FINGER, PALM, PARTS, Blocks, clearances
+from tests.panda import MAX_OPENING
 
 places = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 angles = st.floats(-math.pi, math.pi)
@@ -86,14 +86,14 @@ def test_a_box_between_the_fingers_is_apart_until_it_is_too_wide(width: float) -
     box = block((0, 0), 0.0, (0.04, width, 0.04), z=-0.02)
     found = clearances(ORIGIN, AHEAD, box, one_object(box))
     assert float(found[0]) == pytest.approx((MAX_OPENING - width) / 2, abs=1e-6)
-    assert float(found[1]) == pytest.approx(PALM.bottom - 0.02, abs=1e-6)
+    assert float(found[1]) == pytest.approx(PALM[2] - 0.02, abs=1e-6)
     turned = clearances(ORIGIN, AHEAD.flip(0), box, one_object(box))
     assert float(turned[0]) == pytest.approx((MAX_OPENING - 0.04) / 2, abs=1e-6)
 
 
 def test_a_neighbour_is_touched_by_the_finger_beside_it() -> None:
     box = block((0, 0), 0.0, (0.04, 0.04, 0.04), z=-0.02)
-    outside = MAX_OPENING / 2 + 2 * FINGER.half_width
+    outside = MAX_OPENING / 2 + 2 * FINGER[1]
     for gap in (0.01, -0.01):
         neighbour = block((0, outside + gap + 0.03), 0.0, (0.06, 0.06, 0.05), z=-0.02)
         found = clearances(ORIGIN, AHEAD, box, one_object(neighbour))

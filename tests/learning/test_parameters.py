@@ -27,6 +27,7 @@ from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import matrices
+from tests.panda import PANDA
 from tests.world.scenes import far_boxes, hold_box, scene
 
 SPEC = training_scene(5)
@@ -103,7 +104,7 @@ def test_the_base_sees_the_hand_where_the_motion_takes_it(skill: str) -> None:
         X_WG = grasp_pose(world, c, "yellow_box", k)
     else:
         world.set_configuration(c)
-        X_WG0 = ArmKinematics(to_transform(world.spec.arm.X_WB)).forward(c.q)
+        X_WG0 = ArmKinematics(PANDA, to_transform(world.spec.arm.X_WB)).forward(c.q)
         X_WG = placement_pose(world, c, "rack", held_bottom(world, c, "yellow_box", X_WG0), k)
     matrix = torch.from_numpy(Observer(world.spec).observe(c, action).matrix)[None]
     found = features(skill, matrix, torch.from_numpy(k.astype(np.float32))[None])[0, -6:].numpy()

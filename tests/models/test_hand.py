@@ -1,13 +1,16 @@
-"""The single definition of the hand's geometry agrees with the collision shapes and with the default of `core`."""
+"""The measures of the Panda's hand in its file, and those of the networks, agree with the collision shapes."""
 
 from itertools import product
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.hand import FINGER, FINGER_OFFSET, GRASP_OFFSET, MAX_OPENING, MAX_SIDE, PALM, TIP, Outline
+from ictamp_drake.core.types import FloatArray
+from ictamp_drake.learning.clearance import FINGER, OPENING, PALM
+from ictamp_drake.models.panda import FINGER_OFFSET, GRASP_OFFSET
 from ictamp_drake.models.sdf_text import Shape
+from ictamp_drake.robots.hand import Outline
+from tests.panda import HAND, MAX_OPENING, MAX_SIDE, TIP
 from tools.panda import panda_collision
 
 
@@ -29,15 +32,17 @@ def check_outline(outline: Outline, points: FloatArray, offset: float) -> None:
 
 
 def test_outlines_hold_the_collision_shapes() -> None:
-    check_outline(FINGER, corners(*panda_collision.FINGER, panda_collision.PAD), FINGER_OFFSET)
+    check_outline(HAND.finger, corners(*panda_collision.FINGER, panda_collision.PAD), FINGER_OFFSET)
     (palm,) = (shape for shape in panda_collision.LINKS["panda_hand"] if shape.name == "palm")
-    check_outline(PALM, corners(palm), 0.0)
+    check_outline(Outline(*PALM), corners(palm), 0.0)
 
 
 def test_tips_are_below_the_pads_and_sides_fit_into_the_opening() -> None:
-    assert -FINGER.bottom < TIP < -FINGER.bottom + 0.005
+    assert -HAND.finger.bottom < TIP < -HAND.finger.bottom + 0.005
     assert 0.002 < MAX_OPENING - MAX_SIDE < 0.01
 
 
-def test_a_configuration_is_open_by_default() -> None:
-    assert Configuration(np.zeros(7), np.zeros(2), {}).gripper.width == MAX_OPENING
+def test_networks_know_the_same_hand() -> None:
+    assert HAND.finger == FINGER
+    assert HAND.palm == PALM[2]
+    assert MAX_OPENING == OPENING

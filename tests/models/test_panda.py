@@ -17,10 +17,10 @@ from pydrake.multibody.plant import (
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from ictamp_drake.models.constants import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, HOME, INERTIALS, MAX_GRIP_FORCE
-from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.models.package import add_package
+from ictamp_drake.models.panda import ARM_JOINTS, ARM_LIMITS, FINGER_JOINTS, INERTIALS
 from ictamp_drake.models.shapes import box_sdf
+from tests.panda import HOME, MAX_GRIP_FORCE, MAX_OPENING
 
 # Franka's documentation, "Denavit-Hartenberg parameters" (Craig's convention): a [m], d [m], alpha [rad].
 PUBLISHED_DH = (

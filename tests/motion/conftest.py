@@ -1,6 +1,7 @@
 """A scene with a tower, a rack and two single boxes, and an independent check of its collisions."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -74,11 +75,11 @@ def overlaps() -> Callable[[World, Configuration, FloatArray], dict[frozenset[st
         plant, scene_graph = world.plant, world.diagram.scene_graph()
         root = world.diagram.CreateDefaultContext()
         context = plant.GetMyMutableContextFromRoot(root)
-        plant.SetPositions(context, world.bodies.arm, np.append(c.q, c.fingers))
-        hand = world.bodies.hand
+        plant.SetPositions(context, world.bodies.positions(c))
+        hand = world.bodies.robot.hand
         X_HW = plant.EvalBodyPoseInWorld(context, hand).inverse()
         X_HO = None if c.held is None else X_HW @ to_transform(c.poses[c.held])
-        plant.SetPositions(context, world.bodies.arm, np.append(q, c.fingers))
+        plant.SetPositions(context, world.bodies.positions(replace(c, q=q)))
         for name, body in world.bodies.boxes.items():
             moved = None if name != c.held else plant.EvalBodyPoseInWorld(context, hand) @ X_HO
             plant.SetFloatingBaseBodyPoseInWorldFrame(context, body, moved or to_transform(c.poses[name]))

@@ -3,14 +3,14 @@ import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.collision import CollisionScene
-from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.trajectory import sample
 from ictamp_drake.motion.trajectory_optimization import TrajectoryOptimizer
 from ictamp_drake.world.world import World
+from tests.panda import HOME, LOWER, PANDA, UPPER
 
-ARM = ArmKinematics(RigidTransform())
+ARM = ArmKinematics(PANDA, RigidTransform())
 UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 
@@ -112,7 +112,7 @@ def test_padding_means_that_no_distance_is_shorter(
 def test_verdict_on_a_trajectory_is_that_of_all_its_samples(
     scene: CollisionScene, c: Configuration, down, padding: float
 ) -> None:
-    optimizer, rng = TrajectoryOptimizer(), np.random.default_rng(5)
+    optimizer, rng = TrajectoryOptimizer(PANDA), np.random.default_rng(5)
     counts = [0, 0]
     for x, y, z in rng.uniform([0.35, 0.05, 0.08], [0.65, 0.35, 0.4], (30, 3)):
         qs = sample(optimizer.follow(np.array([HOME, reach(down(x, y, z))]), 14), ARM.forward_all, 0.01, 0.02)

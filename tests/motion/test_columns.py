@@ -14,6 +14,7 @@ from ictamp_drake.scenes.spec import ArmSpec, BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.skills.base import imagine
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
+from tests.panda import GRIPPER, PANDA
 
 DOWN = RotationMatrix.MakeXRotation(np.pi)
 FAR = {"pebble": BoxSpec((0.03, 0.03, 0.03), (5.0, 5.0, 0.5))}
@@ -32,7 +33,7 @@ places = st.tuples(st.floats(0.2, 0.8), st.floats(-0.7, 0.4), st.floats(0.0, 0.4
 @cache
 def columns() -> tuple[World, ArmKinematics, Columns]:
     world = World(SPEC)
-    arm = ArmKinematics(to_transform(SPEC.arm.X_WB))
+    arm = ArmKinematics(PANDA, to_transform(SPEC.arm.X_WB))
     return world, arm, Columns(world, arm)
 
 
@@ -48,7 +49,7 @@ def test_the_hand_touches_an_obstacle_that_is_named_at_any_yaw_and_opening(
         return
     q = postures[0].copy()
     q[6] -= yaw
-    c = imagine(world.initial_configuration(), q=q, width=width, held=None)
+    c = imagine(GRIPPER, world.initial_configuration(), q=q, width=width, held=None)
     assert name in [contact.other for contact in found.hand.contacts(c, q)]
 
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
 
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.heights import obstacle_height, raised_path, reach_below_grasp
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.world.world import World
+from tests.panda import HOME, PANDA
 from tools.panda.panda_collision import PAD_HALF_HEIGHT
 
-ARM = ArmKinematics(RigidTransform())
+ARM = ArmKinematics(PANDA, RigidTransform())
 TOWER_TOP, RACK_TOP = 0.254, 0.16
 
 

@@ -5,13 +5,13 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RollPitchYaw
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import HOME
-from ictamp_drake.motion.inverse_kinematics import VELOCITY, ArmKinematics
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.robots.chain import is_within
 from ictamp_drake.robots.panda import postures
 from ictamp_drake.world.world import World
+from tests.panda import HOME, PANDA, VELOCITY
 
-ARM = ArmKinematics(RigidTransform())
+ARM = ArmKinematics(PANDA, RigidTransform())
 shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7).map(np.array)
 
 
@@ -48,7 +48,7 @@ def test_forward_kinematics_is_that_of_the_scene(world: World) -> None:
 
 def test_base_moves_the_solution_along(down) -> None:
     X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.3, -0.2, 0.1])
-    q = ArmKinematics(X_WB).solve(X_WB @ down(0.5, 0.1, 0.2), HOME)
+    q = ArmKinematics(PANDA, X_WB).solve(X_WB @ down(0.5, 0.1, 0.2), HOME)
     np.testing.assert_allclose(q, ARM.solve(down(0.5, 0.1, 0.2), HOME), atol=1e-4)
 
 
@@ -98,7 +98,7 @@ def test_travel_times_are_the_least_of_all_postures(places: list[FloatArray], sh
 
 
 def test_forward_of_many_is_that_of_each() -> None:
-    arm = ArmKinematics(RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.3, -0.2, 0.1]))
+    arm = ArmKinematics(PANDA, RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.3, -0.2, 0.1]))
     qs = HOME + np.linspace(-0.5, 0.5, 5)[:, None]
     np.testing.assert_allclose(arm.forward_all(qs), [arm.forward(q).GetAsMatrix4() for q in qs], atol=1e-10)
 
@@ -131,15 +131,19 @@ def test_line_that_starts_at_its_end_stays(down) -> None:
 
 
 def test_lines_are_the_same_however_often_and_in_which_order_they_are_asked_for(down) -> None:
-    arm, q0 = ArmKinematics(RigidTransform()), ARM.solve(down(0.5, 0.0, 0.1), HOME)
+    arm, q0 = ArmKinematics(PANDA, RigidTransform()), ARM.solve(down(0.5, 0.0, 0.1), HOME)
     ends = [down(0.5, 0.0, 0.1 + rise) for rise in np.linspace(0.05, 0.2, 20)]
     for X_WG1 in (*ends, *ends[::-1], *ends[-3:]):
-        np.testing.assert_array_equal(arm.line(q0, X_WG1), ArmKinematics(RigidTransform()).line(q0, X_WG1))
+        np.testing.assert_array_equal(arm.line(q0, X_WG1), ArmKinematics(PANDA, RigidTransform()).line(q0, X_WG1))
 
 
 def test_arms_with_the_same_base_share_a_plant_and_are_independent() -> None:
     X_WB = RigidTransform(RollPitchYaw(0.0, 0.0, 0.7), [0.1, -0.2, 0.3])
-    one, two, other = ArmKinematics(X_WB), ArmKinematics(RigidTransform(X_WB)), ArmKinematics(RigidTransform())
+    one, two, other = (
+        ArmKinematics(PANDA, X_WB),
+        ArmKinematics(PANDA, RigidTransform(X_WB)),
+        ArmKinematics(PANDA, RigidTransform()),
+    )
     assert one.plant is two.plant
     assert one.plant is not other.plant
     X_WG = one.forward(HOME)

@@ -5,12 +5,12 @@ from pydrake.math import RigidTransform, RotationMatrix
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, FloatArray
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.config import MotionConfig, PathConfig, TrajectoryConfig
 from ictamp_drake.motion.planner import MotionPlanner, PlannedMotion, Refusal
 from ictamp_drake.motion.trajectory import sample
 from ictamp_drake.world.world import World
 from tests.motion.derivatives import derivatives
+from tests.panda import HOME
 from tests.refusals import refusal
 
 UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)

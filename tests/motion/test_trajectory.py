@@ -5,17 +5,17 @@ import pytest
 from pydrake.math import RigidTransform
 
 from ictamp_drake.core.types import GripperCommand
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.motion.trajectory import Trajectory, sample
 from ictamp_drake.motion.trajectory_optimization import TrajectoryOptimizer
+from tests.panda import HOME, PANDA
 
-ARM = ArmKinematics(RigidTransform())
+ARM = ArmKinematics(PANDA, RigidTransform())
 
 
 @pytest.fixture(scope="module")
 def trajectory() -> Trajectory:
-    return TrajectoryOptimizer().connect(HOME, HOME + [0.9, -0.3, 0.2, 0.5, -0.4, 0.3, 1.2])
+    return TrajectoryOptimizer(PANDA).connect(HOME, HOME + [0.9, -0.3, 0.2, 0.5, -0.4, 0.3, 1.2])
 
 
 def test_segment_carries_the_spline(trajectory: Trajectory) -> None:

@@ -7,15 +7,15 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import ARM_LIMITS, HOME
+from ictamp_drake.models.panda import ARM_LIMITS
 from ictamp_drake.motion.config import TrajectoryConfig
-from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
 from ictamp_drake.motion.trajectory import Trajectory
 from ictamp_drake.motion.trajectory_optimization import HalfSpace, TrajectoryOptimizer
 from tests.motion.derivatives import derivatives
+from tests.panda import HOME, LOWER, PANDA, UPPER
 from tests.refusals import refusal
 
-OPTIMIZER = TrajectoryOptimizer()
+OPTIMIZER = TrajectoryOptimizer(PANDA)
 shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7).map(np.array)
 FAST = TrajectoryConfig(velocity=0.7, acceleration=0.5, jerk=0.1)
 STEPS = np.array([[0.0] * 7, [0.5, 0.3, 0, 0.4, 0, 0.2, 0.3], [0.9, -0.2, 0.1, 0.1, 0.3, 0, 0.8]])
@@ -69,7 +69,7 @@ def test_following_a_path_obeys_the_limits_and_ends_at_rest(
     share: FloatArray, pieces: list[tuple[FloatArray, float]], config: TrajectoryConfig
 ) -> None:
     path = crooked_path(share, pieces)
-    trajectory = TrajectoryOptimizer(config).follow(path, 14)
+    trajectory = TrajectoryOptimizer(PANDA, config).follow(path, 14)
     np.testing.assert_array_equal([trajectory.start, trajectory.end], path[[0, -1]])
     check_rest(trajectory)
     check_limits(trajectory, config)
@@ -84,7 +84,7 @@ def test_following_a_path_keeps_all_control_points_on_it() -> None:
 
 @pytest.mark.parametrize("config", [TrajectoryConfig(), FAST])
 def test_following_a_path_takes_no_longer_than_optimizing_in_a_narrow_corridor(config: TrajectoryConfig) -> None:
-    optimizer = TrajectoryOptimizer(config)
+    optimizer = TrajectoryOptimizer(PANDA, config)
     for step in STEPS[1:]:
         path = HOME + np.linspace(0.0, 0.3, 5)[:, None] * step
         assert optimizer.follow(path, 14).duration <= optimizer.follow_corridor(path, 0.0025, 14).duration
@@ -95,8 +95,8 @@ def test_limits_of_jerk_are_heeded_where_they_matter(jerk: float) -> None:
     """Without them, the fastest trajectory would violate the lower limits."""
     config = TrajectoryConfig(jerk=jerk)
     for trajectory in (
-        TrajectoryOptimizer(config).connect(HOME, HOME + STEPS[2]),
-        TrajectoryOptimizer(config).follow_corridor(HOME + STEPS, 0.1, 18),
+        TrajectoryOptimizer(PANDA, config).connect(HOME, HOME + STEPS[2]),
+        TrajectoryOptimizer(PANDA, config).follow_corridor(HOME + STEPS, 0.1, 18),
     ):
         parts = check_limits(trajectory, config).max(axis=1)
         assert (parts[2] > 0.6) == (jerk == 0.002)
@@ -110,7 +110,7 @@ def test_free_uses_the_limits() -> None:
 
 def test_slower_configuration_takes_longer() -> None:
     slow = TrajectoryConfig(velocity=0.1, acceleration=0.1)
-    trajectory = TrajectoryOptimizer(slow).connect(HOME, HOME + STEPS[2])
+    trajectory = TrajectoryOptimizer(PANDA, slow).connect(HOME, HOME + STEPS[2])
     check_limits(trajectory, slow)
     assert trajectory.duration > 2 * OPTIMIZER.connect(HOME, HOME + STEPS[2]).duration
 
@@ -125,7 +125,7 @@ def test_parts_of_the_limits_are_more_than_nothing_and_at_most_all(part: str, va
 def test_splines_of_every_order_that_is_allowed_obey_the_limits() -> None:
     for order, points in ((4, 7), (7, 7), (4, 20), (7, 20)):
         config = TrajectoryConfig(order=order, control_points=points, velocity=1.0)
-        check_limits(TrajectoryOptimizer(config).connect(HOME, HOME + STEPS[2]), config)
+        check_limits(TrajectoryOptimizer(PANDA, config).connect(HOME, HOME + STEPS[2]), config)
     for order in (0, 3, 8):
         with refusal(Code.OUT_OF_RANGE, "skills.motion.trajectory.order", value=order):
             TrajectoryConfig(order=order)
@@ -176,8 +176,8 @@ def test_demands_out_of_reach_leave_a_valid_trajectory() -> None:
 
 
 def test_history_does_not_change_the_result() -> None:
-    fresh = TrajectoryOptimizer().connect(HOME, HOME + STEPS[1])
-    used = TrajectoryOptimizer()
+    fresh = TrajectoryOptimizer(PANDA).connect(HOME, HOME + STEPS[1])
+    used = TrajectoryOptimizer(PANDA)
     used.connect(HOME + STEPS[2], HOME)
     used.follow_corridor(HOME + STEPS, 0.1, 14)
     np.testing.assert_array_equal(used.connect(HOME, HOME + STEPS[1]).control_points, fresh.control_points)

@@ -14,6 +14,7 @@ from ictamp_drake.skills.config import PickConfig
 from ictamp_drake.skills.geometry import grasp_parameter, grasp_pose, raise_pose
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
+from tests.panda import PANDA
 from tests.world.scenes import far_boxes, hold_box, scene
 
 WORLD = World(scene(far_boxes()))
@@ -50,7 +51,7 @@ def turn_box(c: Configuration, box: str, p_W: FloatArray, yaw: float, held: str 
 
 def test_a_picked_box_is_held_as_the_grasp_says() -> None:
     held = hold_box(WORLD, "red_box", drop=0.01)
-    X_WG = ArmKinematics(to_transform(WORLD.spec.arm.X_WB)).forward(held.q)
+    X_WG = ArmKinematics(PANDA, to_transform(WORLD.spec.arm.X_WB)).forward(held.q)
     before = turn_box(held, "red_box", np.array([0.002, 0.001, -LIFT]), 0.1, None)
     k = grasp_parameter(WORLD, before, "red_box", raise_pose(X_WG, -LIFT))
     assert_seen_alike(imagine(before, PICK, k, held), held)

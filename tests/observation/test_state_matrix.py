@@ -19,6 +19,7 @@ from ictamp_drake.scenes.training import training_scene
 from ictamp_drake.world.frames import upright_frame
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
+from tests.panda import PANDA
 from tests.world.scenes import RACK, TABLE, build_tower, hold_box, scene
 
 TOWER = scene(build_tower("red_box", "blue_box") | build_tower("cyan_box", x=0.5, y=-0.1, yaws=(30.0,)))
@@ -191,7 +192,7 @@ def test_how_the_held_box_is_held(roll: float) -> None:
     world = World(spec)
     c = hold_box(world, "red_box", roll, drop=0.02)
     seen = Observer(spec).observe(c, Action("place", ("red_box", "table")))
-    X_WG = ArmKinematics(to_transform(spec.arm.X_WB)).forward(c.q)
+    X_WG = ArmKinematics(PANDA, to_transform(spec.arm.X_WB)).forward(c.q)
     X_GU = X_WG.inverse() @ world.upright_frame(c, "red_box").X_WU
     np.testing.assert_allclose(quantity(seen, 1, "hand_x", "hand_y", "hand_z"), X_GU.translation(), atol=1e-6)
     columns = [f"hand_r{row}{column}" for column in "01" for row in "012"]

@@ -89,3 +89,12 @@ def test_a_run_that_has_not_finished_anything_is_no_regime(tmp_path: Path) -> No
     folder = folder_of(tmp_path / "run", [run("a", solved=False, stop_reason="STOPPED")])
     with refusal(Code.TOO_FEW_DATA, file=folder / "results.jsonl"):
         read_regime(folder)
+
+
+def test_a_robot_and_what_served_with_it_are_named(tmp_path: Path) -> None:
+    served = {"sampler": "geometric", "estimator": "constant"}
+    records = [run("a", number, robot="/home/me/own.yaml", stand_ins=served) for number in (0, 1)]
+    about = read_regime(folder_of(tmp_path / "own", records)).about
+    assert about["robot"] == "own.yaml (estimator constant, sampler geometric)"
+    other = [run("a", 0), run("a", 1, robot="ur5e_2f85")]
+    assert read_regime(folder_of(tmp_path / "both", other)).about["robot"] == "panda, ur5e_2f85"

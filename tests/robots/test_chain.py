@@ -3,8 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.kinematics import forward
 from ictamp_drake.robots.chain import TOLERANCE, is_within, pose_error, turn_into
+from ictamp_drake.robots.panda import forward
 from tests.robots.arms import CROOKED, PANDA, SIX
 
 angles = st.lists(st.floats(-9.0, 9.0), min_size=7, max_size=7).map(np.array)

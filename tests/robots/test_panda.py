@@ -3,10 +3,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.constants import HOME
-from ictamp_drake.models.kinematics import forward
-from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER
-from ictamp_drake.robots.panda import postures
+from ictamp_drake.robots.panda import forward, postures
+from tests.panda import HOME, LOWER, UPPER
 
 shares = st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7)
 within_limits = shares.map(lambda share: LOWER + np.array(share) * (UPPER - LOWER))

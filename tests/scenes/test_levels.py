@@ -1,11 +1,15 @@
 """The committed problem files, and how to select them."""
 
 from collections import Counter
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ictamp_drake.core.errors import Code
-from ictamp_drake.scenes.levels import LEVELS, PAPER_LEVELS, parse_selection, problem_files
+from ictamp_drake.robots.spec import DEFAULT, SHIPPED, find_file
+from ictamp_drake.scenes.levels import ARM_OFFSETS, LEVELS, PAPER_LEVELS, load_problem, parse_selection, problem_files
 from ictamp_drake.scenes.packing import make_problem
 from ictamp_drake.scenes.spec import load_scene, to_yaml
 from tests.refusals import refusal
@@ -65,3 +69,25 @@ def test_an_unknown_level() -> None:
         problem_files("heavy")
     with refusal(Code.UNKNOWN_CHOICE, "level", value="heavy", choices=LEVELS):
         make_problem("heavy", 0)
+
+
+def test_a_robot_of_ones_own_stands_where_the_panda_does(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text(find_file(DEFAULT).read_text())
+    (path,) = problem_files("varied", "1")
+    spec = load_scene(path)
+    own = str(tmp_path / "own.yaml")
+    assert load_problem(path) == load_problem(path, DEFAULT) == spec
+    assert load_problem(path, own) == replace(spec, robot=own)
+
+
+@pytest.mark.parametrize("robot", ["iiwa14_wsg50"])
+@pytest.mark.parametrize("level", ["easy", "varied"])
+def test_some_robots_stand_elsewhere_and_all_else_stays(robot: str, level: str) -> None:
+    assert ARM_OFFSETS.keys() <= set(SHIPPED)
+    (path,) = problem_files(level, "1")
+    spec, moved = load_scene(path), load_problem(path, robot)
+    yaw = np.deg2rad(spec.arm.yaw)
+    offset = np.subtract(moved.arm.position, spec.arm.position)
+    turned = np.array([[np.cos(yaw), np.sin(yaw), 0], [-np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]]) @ offset
+    np.testing.assert_allclose(turned, ARM_OFFSETS[robot], atol=1e-12)
+    assert replace(moved, robot=DEFAULT, arm=spec.arm) == spec

@@ -20,6 +20,7 @@ from ictamp_drake.scenes.spec import (
     BoxSpec,
     SceneSpec,
     SupportSpec,
+    check_widths,
     load_scene,
     save_scene,
     to_yaml,
@@ -137,8 +138,10 @@ def test_the_gripper_needs_one_narrow_side_as_the_box_stands(
     rotation: tuple[float, float, float], graspable: bool
 ) -> None:
     size = (0.1, 0.1, 0.06)
+    boxes = {"thing": BoxSpec(size=size, position=(0.5, 0, 0.05), rotation=rotation)}
+    spec = SceneSpec(supports={"table": SupportSpec("table", (0.5, 0, 0))}, boxes=boxes, goal="(in-hand thing)")
     if graspable:
-        BoxSpec(size=size, position=(0.5, 0, 0.05), rotation=rotation)
+        check_widths(spec)
     else:
-        with refusal(Code.TOO_WIDE, "size", value=size):
-            BoxSpec(size=size, position=(0.5, 0, 0.05), rotation=rotation)
+        with refusal(Code.TOO_WIDE, "boxes.thing.size", value=size):
+            check_widths(spec)

@@ -17,6 +17,7 @@ from ictamp_drake.skills.geometric import GeometricSampler
 from ictamp_drake.skills.geometry import level_pose
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
+from tests.panda import PANDA
 from tests.skills.rig import KINEMATIC, place, rig
 from tests.world.scenes import far_boxes, hold_box, scene
 
@@ -39,7 +40,7 @@ SAMPLERS: dict[str, SamplerConfig] = {
 @pytest.mark.parametrize("where", ["near", "narrow", "spot", "table"])
 def test_the_box_would_be_in_the_place_of_the_action(config: SamplerConfig, where: str) -> None:
     world = World(SPEC)
-    context = SamplerContext(world, ArmKinematics(to_transform(SPEC.arm.X_WB)))
+    context = SamplerContext(world, ArmKinematics(PANDA, to_transform(SPEC.arm.X_WB)))
     sampler = AreaSampler(world, config.create(context), UniformConfig().create(context))
     c = hold_box(world, "yellow_box")
     size = world.upright_frame(c, "yellow_box").size
@@ -53,7 +54,7 @@ def test_a_region_smaller_than_the_box_is_used_up_to_its_border() -> None:
     """What lies in its middle may leave room beside it."""
     small = RegionSpec("table", (0.02, 0.03), (0.1, 0.2))
     world = World(replace(SPEC, regions={"small": small}))
-    sampler = GeometricSampler(world, ArmKinematics(to_transform(SPEC.arm.X_WB)))
+    sampler = GeometricSampler(world, ArmKinematics(PANDA, to_transform(SPEC.arm.X_WB)))
     draws = sampler.draws(hold_box(world, "yellow_box"), place("yellow_box", "small"), np.random.default_rng(0))
     used = np.ptp(np.array(list(islice(draws, 40)))[:, :2], axis=0)
     assert np.all(used > 0.7 * np.array(small.size))
@@ -78,7 +79,7 @@ def test_the_free_part_of_a_region_beneath_a_rack_is_found_at_once() -> None:
 def test_a_support_without_room_beside_its_regions_ends_the_draws() -> None:
     spec = replace(SPEC, regions={"all": RegionSpec("table", SPEC.supports["table"].size[:2])}, poses={})
     world = World(spec)
-    uniform = UniformConfig().create(SamplerContext(world, ArmKinematics(to_transform(spec.arm.X_WB))))
+    uniform = UniformConfig().create(SamplerContext(world, ArmKinematics(PANDA, to_transform(spec.arm.X_WB))))
     sampler = AreaSampler(world, uniform, uniform)
     draws = sampler.draws(hold_box(world, "yellow_box"), place("yellow_box", "table"), np.random.default_rng(0))
     assert list(draws) == [Failure.GOAL_IN_COLLISION]

@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ictamp_drake.core.errors import Code
-from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.skills.base import openings
 from ictamp_drake.skills.config import CLEARANCES, PickConfig, PlaceConfig
+from tests.panda import GRIPPER, MAX_OPENING
 from tests.refusals import refusal
 
 
@@ -15,7 +15,7 @@ from tests.refusals import refusal
 def test_the_hand_leaves_room_on_both_sides_or_is_as_far_open_as_it_goes(
     needed: float, clearances: list[float]
 ) -> None:
-    commands = openings(needed, clearances)
+    commands = openings(GRIPPER, needed, clearances)
     widths = [command.width for command in commands]
     assert len(set(widths)) == len(widths)
     assert all(command.force == 0 for command in commands)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.types import Action, Configuration, FloatArray
-from ictamp_drake.models.hand import MAX_SIDE, PAD_HALF_HEIGHT, PALM
+from ictamp_drake.learning.clearance import PALM
 from ictamp_drake.scenes.levels import LEVELS, problem_files
 from ictamp_drake.scenes.spec import SceneSpec, load_scene
 from ictamp_drake.skills.context import SamplerContext
@@ -17,6 +17,7 @@ from ictamp_drake.skills.geometry import grasp_pose
 from ictamp_drake.skills.neighbours import is_covered, neighbours
 from ictamp_drake.skills.policy import LEARNED_SIDES, LEARNED_TOP
 from ictamp_drake.world.world import World
+from tests.panda import MAX_SIDE, PAD_HALF_HEIGHT
 from tests.skills.rig import Rig, pick, place, rig
 
 CASES = Path(__file__).parents[1] / "scenes" / "cases"
@@ -72,7 +73,7 @@ def test_only_the_free_end_of_a_covered_bar_is_gripped() -> None:
     k = draw(here, here.start, action)
     assert len(k) == 40
     p_WG = np.array([grasp_pose(here.world, here.start, "bar", each).translation() for each in k])
-    assert np.all(board.distance(p_WG) >= PALM.half_length - 1e-3)
+    assert np.all(board.distance(p_WG) >= PALM[0] - 1e-3)
     attempts = [here.attempt(here.start, action, seed, k[seed]) for seed in range(8)]
     assert sum(attempt.failure is None for attempt in attempts) >= 5
 

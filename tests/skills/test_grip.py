@@ -12,12 +12,13 @@ from benchmarks.grip import BOX, METHOD, Measured, Slide, make_scene, measure
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.models.constants import MAX_GRIP_FORCE
-from ictamp_drake.models.grip import LEAST_FORCE
+from ictamp_drake.models.panda import ARM_JOINTS
 from ictamp_drake.motion.config import CarryingConfig, MotionConfig
+from ictamp_drake.robots.grip import LEAST_FORCE
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.config import PickConfig, SkillsConfig
 from ictamp_drake.tamp.samples import ros_yaml, sample
+from tests.panda import MAX_GRIP_FORCE
 from tests.refusals import refusal
 from tests.skills.rig import pick, rig
 from tests.world.scenes import RACK, TABLE
@@ -95,7 +96,11 @@ def test_plan_file_and_export_carry_the_force(plan: ict.Plan, tmp_path: Path) ->
     assert len(ingot) == 1
     assert LEAST_FORCE < min(ingot) < MAX_GRIP_FORCE
     assert (forces[1], cork, forces[3]) == (ingot, {LEAST_FORCE}, {LEAST_FORCE})
-    goals = [entry["gripper"]["force"] for entry in yaml.safe_load(ros_yaml(sample(read, 50.0))) if "gripper" in entry]
+    goals = [
+        entry["gripper"]["force"]
+        for entry in yaml.safe_load(ros_yaml(sample(read, 50.0), ARM_JOINTS))
+        if "gripper" in entry
+    ]
     assert list(dict.fromkeys(force for force in goals if force)) == [*ingot, LEAST_FORCE]
 
 

@@ -20,6 +20,7 @@ from ictamp_drake.tamp.solve import solve
 from ictamp_drake.tamp.task import prepare
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
+from tests.panda import PANDA
 from tests.skills.rig import pick, place
 
 TOWER = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "f2-tower-out-of-reach.yaml")
@@ -53,7 +54,7 @@ def order(steps: Skeleton, *drawn: Parameter | Failure, spec: SceneSpec = TOWER)
     """Numbers of the drawn parameters in the order in which they are tried, without the random ones among them."""
     world = World(spec)
     random = UniformSampler(world, UniformConfig())
-    lookahead = Lookahead(world, ArmKinematics(to_transform(spec.arm.X_WB)), random, DRAWS, PlaceConfig())
+    lookahead = Lookahead(world, ArmKinematics(PANDA, to_transform(spec.arm.X_WB)), random, DRAWS, PlaceConfig())
     tried = lookahead.sort(world.initial_configuration(), steps, iter(drawn), np.random.default_rng(0))
     numbers = {id(k): number for number, k in enumerate(drawn)}
     return [numbers[id(k)] for k in tried if id(k) in numbers]

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Configuration, GripperCommand, Motion
-from ictamp_drake.models.hand import MAX_OPENING
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, load_scene
 from ictamp_drake.skills.config import CLEARANCES, PickConfig
@@ -18,6 +17,7 @@ from ictamp_drake.skills.context import SkillContext
 from ictamp_drake.skills.geometry import grasp_pose, needed_opening
 from ictamp_drake.world.commands import gripper_time, obedience_time
 from ictamp_drake.world.world import ARM, FINGERS, World
+from tests.panda import GRIPPER, MAX_OPENING
 from tests.skills.rig import pick, rig
 from tests.world.scenes import build_tower, scene
 
@@ -68,8 +68,8 @@ def test_the_hand_comes_down_open_wide_enough(
     assert commands["grasp"].width <= needed
     labels = [segment.label for segment in motion]
     ready = motion[: labels.index("lower")]
-    assert obedience_time(c.gripper, ready) <= sum(segment.duration for segment in ready) + 1e-9
-    assert obedience_time(c.gripper, motion) <= sum(segment.duration for segment in motion) + 1e-9
+    assert obedience_time(c.gripper, ready, GRIPPER.speed) <= sum(segment.duration for segment in ready) + 1e-9
+    assert obedience_time(c.gripper, motion, GRIPPER.speed) <= sum(segment.duration for segment in motion) + 1e-9
 
 
 def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
@@ -84,7 +84,7 @@ def test_a_hand_that_has_no_time_on_its_way_opens_before_it() -> None:
     adjust, approach, lower = motion[:3]
     assert [adjust.label, approach.label, lower.label] == ["adjust", "approach", "lower"]
     assert adjust.gripper == approach.gripper == lower.gripper
-    assert approach.duration < gripper_time(closed.gripper, lower.gripper) <= adjust.duration
+    assert approach.duration < gripper_time(closed.gripper, lower.gripper, GRIPPER.speed) <= adjust.duration
     np.testing.assert_array_equal(adjust.control_points, [closed.commanded])
 
 

@@ -12,6 +12,7 @@ from ictamp_drake.skills.config import CLEARANCES, PlaceConfig
 from ictamp_drake.skills.context import SkillContext
 from ictamp_drake.world.commands import obedience_time
 from ictamp_drake.world.world import ARM, FINGERS, World
+from tests.panda import GRIPPER
 from tests.skills.rig import pick, place, rig
 from tests.world.scenes import scene
 
@@ -83,7 +84,7 @@ def test_neighbours_make_the_hand_open_less(held: Configuration, gap: float, cle
     assert commands["release"].width >= SIDE + 2 * clearance - 1e-4
     before_retreat = motion[:-1]
     duration = sum(segment.duration for segment in before_retreat)
-    assert obedience_time(held.gripper, before_retreat) <= duration
+    assert obedience_time(held.gripper, before_retreat, GRIPPER.speed) <= duration
 
 
 def test_where_the_fingers_have_no_room_to_open_nothing_dear_is_planned(held: Configuration) -> None:

@@ -19,6 +19,7 @@ from ictamp_drake.skills.policy import PolicySampler
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 from tests.learning.synthetic import write_untrained
+from tests.panda import PANDA
 from tests.refusals import refusal
 from tests.skills.rig import KINEMATIC, pick, place, rig
 from tests.world.scenes import arrange, far_boxes, hold_box, pose, scene
@@ -36,7 +37,7 @@ def checkpoints(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def arm(world: World) -> ArmKinematics:
-    return ArmKinematics(to_transform(world.spec.arm.X_WB))
+    return ArmKinematics(PANDA, to_transform(world.spec.arm.X_WB))
 
 
 def situations(world: World) -> list[tuple[Configuration, Action]]:

@@ -19,6 +19,7 @@ from ictamp_drake.skills.context import SamplerConfig, SamplerContext
 from ictamp_drake.skills.geometry import grasp_pose, held_bottom, placement_pose
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
+from tests.panda import PANDA
 from tests.refusals import refusal
 from tests.skills.rig import pick, place
 from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
@@ -45,7 +46,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def arm(world: World) -> ArmKinematics:
-    return ArmKinematics(to_transform(world.spec.arm.X_WB))
+    return ArmKinematics(PANDA, to_transform(world.spec.arm.X_WB))
 
 
 def situations(world: World) -> dict[str, tuple[Configuration, Action]]:
@@ -108,7 +109,7 @@ def test_the_same_seed_gives_the_same_k(world: World, arm: ArmKinematics, name: 
     first = draws(sampler, c, action, 3)
     for other_c, other_action in situations(world).values():
         next(sampler.draws(other_c, other_action, np.random.default_rng(99)))
-    own = SAMPLERS[name].create(SamplerContext(world, ArmKinematics(to_transform(world.spec.arm.X_WB))))
+    own = SAMPLERS[name].create(SamplerContext(world, ArmKinematics(PANDA, to_transform(world.spec.arm.X_WB))))
     for again in (draws(sampler, c, action, 3), draws(own, c, action, 3)):
         assert [isinstance(k, Failure) for k in again] == [isinstance(k, Failure) for k in first]
         for one, other in zip(first, again, strict=True):
@@ -168,12 +169,12 @@ def test_optimized_grasps_are_within_bounds(world: World, sampler: Sampler[Confi
         across, along = np.abs(k[:2] if quarter % 2 == 0 else k[1::-1])
         assert across <= CONFIG.grip_offset[0] + 1e-4
         assert along <= CONFIG.grip_offset[1] + 1e-4
-        assert size[1 - quarter % 2] <= CONFIG.max_width
+        assert size[1 - quarter % 2] <= PANDA.gripper.max_side
         assert size[2] / 2 - k[2] >= min(CONFIG.depth[0], size[2] - CONFIG.ground) - 1e-4
         assert size[2] / 2 - k[2] <= CONFIG.depth[1] + 1e-4
         assert k[2] + size[2] / 2 >= CONFIG.ground - 1e-4
         sides.add(quarter % 2)
-    wide = [i for i in (0, 1) if size[1 - i] <= CONFIG.max_width]
+    wide = [i for i in (0, 1) if size[1 - i] <= PANDA.gripper.max_side]
     assert sides <= set(wide)
 
 

@@ -10,13 +10,13 @@ from scipy.interpolate import BSpline
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Attempt, Configuration, Motion, Parameter
-from ictamp_drake.models.constants import ARM_LIMITS
-from ictamp_drake.models.hand import TIP
+from ictamp_drake.models.panda import ARM_LIMITS
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec
 from ictamp_drake.skills.config import OptimizationConfig, SkillsConfig, UniformConfig
 from ictamp_drake.skills.context import SamplerConfig
 from ictamp_drake.world.poses import to_transform
+from tests.panda import PANDA, TIP
 from tests.skills.rig import KINEMATIC, Rig, pick, place, rig
 from tests.world.scenes import RACK_TOP, box, build_tower, scene
 
@@ -119,7 +119,7 @@ def test_the_hand_comes_from_above_and_leaves_upwards() -> None:
     ):
         attempt = setup.attempt(c, action)
         assert attempt.successor is not None
-        arm = ArmKinematics(to_transform(setup.world.spec.arm.X_WB))
+        arm = ArmKinematics(PANDA, to_transform(setup.world.spec.arm.X_WB))
         heights = {}
         for segment in attempt.motion:
             if segment.label in (down, up):

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from ictamp_drake.core.types import Action
-from ictamp_drake.motion.config import MotionConfig
+from ictamp_drake.motion.config import KinematicsConfig, MotionConfig
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec, load_scene
 from ictamp_drake.skills.config import PickConfig, PlaceConfig, UniformConfig
@@ -20,6 +20,7 @@ from ictamp_drake.skills.sweep import Sweep
 from ictamp_drake.skills.uniform import UniformSampler
 from ictamp_drake.world.start import find_overlaps
 from ictamp_drake.world.world import World
+from tests.robots import small
 
 SHELF = load_scene(Path(__file__).parents[1] / "scenes" / "cases" / "07-wholly-under-a-shelf.yaml")
 UNIFORM = UniformConfig(yaw=(-np.pi, np.pi))
@@ -123,3 +124,32 @@ def test_the_skill_refuses_what_a_sweep_refuses(
     skill = PickConfig().create(SkillContext(world, planner))
     for k in islice(UniformSampler(world, UNIFORM).draws(c, action, rng), 6):
         assert isinstance(skill.plan(c, action, k, rng), Refusal)
+
+
+def far_box(robot: str) -> World:
+    """A cup that no arm reaches."""
+    supports = {"table": SupportSpec("table", (0.0, 3.0, 0.1), size=(0.2, 0.2, 0.02))}
+    box = BoxSpec((0.05, 0.05, 0.05), (0.0, 3.0, 0.125))
+    return World(SceneSpec(supports=supports, boxes={"cup": box}, goal="(on cup table)", robot=robot))
+
+
+def test_a_sweep_says_nothing_of_an_arm_whose_ends_do_not_turn_as_it_takes_for_granted(tmp_path: Path) -> None:
+    spoiled = small.content()
+    spoiled["gripper"]["grasp"]["position"] = [0.02, 0.0, 0.095]
+    for name in "ab":
+        (tmp_path / name).mkdir()
+    plain, crooked = (small.write(tmp_path / name, content) for name, content in (("a", None), ("b", spoiled)))
+    for file, is_known in ((plain, True), (crooked, False)):
+        world = far_box(str(file))
+        assert bool(world.robot.wrist and world.robot.waist) is is_known
+        c = world.initial_configuration()
+        face = Face(world.X_WT(c, "table"), world.top_size(c, "table") / 2)
+        assert (sweep(world).refuse_grasps(c, "cup") is not None) is is_known
+        assert (sweep(world).refuse_placements(c, "cup", face) is not None) is is_known
+
+
+def test_a_sweep_says_nothing_where_postures_may_be_missed() -> None:
+    world = far_box("panda")
+    motion = MotionConfig(kinematics=KinematicsConfig(kind="numeric"))
+    numeric = Sweep(world, motion, PickConfig(), PlaceConfig())
+    assert numeric.refuse_grasps(world.initial_configuration(), "cup") is None

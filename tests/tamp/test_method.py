@@ -76,7 +76,7 @@ def test_constants_that_are_no_number_are_refused_by_the_name_of_their_option(op
     if isinstance(value, float):
         with refusal(Code.OUT_OF_RANGE, option, value=math.nan):
             replace(config, **{name: math.nan})
-    if isinstance(value, tuple) and isinstance(value[0], float):
+    if isinstance(value, tuple) and value and isinstance(value[0], float):
         with refusal(Code.OUT_OF_RANGE, option):
             replace(config, **{name: (math.nan, *value[1:])})
 

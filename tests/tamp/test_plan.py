@@ -20,7 +20,7 @@ from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.reading import parse
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
-from ictamp_drake.models.constants import ARM_LIMITS, HOME
+from ictamp_drake.models.panda import ARM_LIMITS
 from ictamp_drake.motion.splines import knots, paces
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.tamp import plan_file
@@ -29,6 +29,7 @@ from ictamp_drake.tamp.plan import Plan, read_plan, write_plan
 from ictamp_drake.tamp.plan_origin import Origin
 from ictamp_drake.world.abstraction import SceneAbstraction
 from ictamp_drake.world.world import World
+from tests.panda import HOME
 from tests.refusals import refusal
 from tests.runs.programs import SCENE
 from tests.tamp.spoiling import judge, spoil

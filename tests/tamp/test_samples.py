@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from ictamp_drake.models.constants import ARM_JOINTS
+from ictamp_drake.models.panda import ARM_JOINTS
 from ictamp_drake.tamp.plan import Plan
 from ictamp_drake.tamp.samples import Part, gripper_csv, joints_csv, ros_yaml, sample
 from tests.runs.plans import small_plan
@@ -61,7 +61,7 @@ def test_velocities_and_accelerations_are_derivatives_and_zero_at_the_ends(parts
 
 
 def test_the_tables_have_a_row_per_sample_and_per_command(parts: list[Part]) -> None:
-    rows = list(csv.DictReader(io.StringIO(joints_csv(parts))))
+    rows = list(csv.DictReader(io.StringIO(joints_csv(parts, ARM_JOINTS))))
     assert len(rows) == sum(len(part.times) for part in parts)
     last = parts[-1]
     assert float(rows[-1]["time"]) == pytest.approx(last.start + last.times[-1])
@@ -76,7 +76,7 @@ def test_the_tables_have_a_row_per_sample_and_per_command(parts: list[Part]) -> 
 
 
 def test_messages_have_the_fields_of_a_joint_trajectory(parts: list[Part]) -> None:
-    entries = yaml.safe_load(ros_yaml(parts))
+    entries = yaml.safe_load(ros_yaml(parts, ARM_JOINTS))
     assert [set(entry) for entry in entries] == [{"time", "gripper"}, {"time", "joint_trajectory"}] * len(parts)
     for part, goal, motion in zip(parts, entries[::2], entries[1::2], strict=True):
         assert goal["gripper"] == {"width": part.gripper.width, "force": part.gripper.force}
@@ -98,5 +98,5 @@ def test_messages_have_the_fields_of_a_joint_trajectory(parts: list[Part]) -> No
 def test_a_plan_without_steps_has_no_parts(plan: Plan) -> None:
     parts = sample(Plan(plan.spec, plan.c, ()), RATE)
     assert parts == []
-    assert yaml.safe_load(ros_yaml(parts)) == []
-    assert joints_csv(parts).count("\n") == gripper_csv(parts).count("\n") == 1
+    assert yaml.safe_load(ros_yaml(parts, ARM_JOINTS)) == []
+    assert joints_csv(parts, ARM_JOINTS).count("\n") == gripper_csv(parts).count("\n") == 1

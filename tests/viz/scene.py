@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from ictamp_drake.core.types import Configuration
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.outcome import Frame
+from tests.panda import HOME
 
 SPEC = SceneSpec(
     supports={"table": SupportSpec("table", (0.3, 0.0, 0.0)), "rack": SupportSpec("rack", (0.44, -0.3, 0.16), 90.0)},

@@ -134,7 +134,7 @@ def test_the_scene_is_drawn(browser: Chromium) -> None:
     assert red > 2 * blue
     red, green, blue = color_around(picture, pixel(browser, "blue_box", "blue_box"))
     assert blue > 2 * red
-    arm = color_around(picture, pixel(browser, "panda", "panda_link2"))
+    arm = color_around(picture, pixel(browser, "robot", "panda", "panda_link2"))
     assert arm.min() > 0.6, "the arm is white"
     red, green, blue = color_around(picture, pixel(browser, "table", "table"))
     assert red > green > blue, "the table is of wood"
@@ -142,13 +142,13 @@ def test_the_scene_is_drawn(browser: Chromium) -> None:
 
 def test_the_animation_moves_the_arm_and_what_it_carries(browser: Chromium) -> None:
     first = seek(browser, 0.0)
-    places = [pixel(browser, "panda", "panda_hand"), pixel(browser, "blue_box", "blue_box")]
+    places = [pixel(browser, "robot", "panda", "panda_hand"), pixel(browser, "blue_box", "blue_box")]
     still = pixel(browser, "red_box", "red_box")
     last = seek(browser, DURATION)
     for place in places:
         assert np.abs(color_around(first, place) - color_around(last, place)).max() > 0.1
     assert np.abs(color_around(first, still) - color_around(last, still)).max() < 0.02
-    moved = pixel(browser, "panda", "panda_hand")
+    moved = pixel(browser, "robot", "panda", "panda_hand")
     assert np.hypot(*np.subtract(moved, places[0])) > 50
     red, _, blue = color_around(last, pixel(browser, "blue_box", "blue_box"))
     assert blue > 2 * red

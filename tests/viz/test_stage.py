@@ -54,7 +54,7 @@ def test_bodies_are_where_the_configuration_says(meshcat: Meshcat) -> None:
     stage.show(c)
     commands, poses = download(meshcat.web_url()), stage.poses(c)
     np.testing.assert_allclose(position(commands, "/scene/blue_box/blue_box"), c.poses["blue_box"][4:])
-    hand = "/scene/panda/panda_hand"
+    hand = "/scene/robot/panda/panda_hand"
     np.testing.assert_allclose(position(commands, hand), poses[hand].translation())
     assert np.linalg.norm(poses[hand].translation() - stage.poses(START)[hand].translation()) > 0.1
 

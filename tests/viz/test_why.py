@@ -81,12 +81,12 @@ def test_the_first_refusal_is_shown_where_it_happened(browser: Chromium) -> None
     assert_shown(browser, swing(0.5))
     assert looks(browser, "blue_box")[1] is False
     assert looks(browser, "red_box")[1] is True
-    assert looks(browser, "panda")[1] is True
+    assert looks(browser, "robot")[1] is True
 
 
 def test_what_is_marked_follows_the_choice(browser: Chromium) -> None:
     press(browser, 0)  # which was chosen
-    plain = {name: looks(browser, name) for name in ("red_box", "blue_box", "rack", "panda")}
+    plain = {name: looks(browser, name) for name in ("red_box", "blue_box", "rack", "robot")}
     assert not any(clear for _, clear in plain.values())
     press(browser, 1)
     assert browser.run("document.querySelectorAll('.refusal[aria-pressed=true]').length") == 1

@@ -4,15 +4,37 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydrake.trajectories import Trajectory
 
 from ictamp_drake.core.types import FloatArray, GripperCommand, Segment
-from ictamp_drake.models.constants import HOME, MAX_FINGER_SPEED
-from ictamp_drake.world.commands import FORCE_RAMP, desired_positions, feedforward, gripper_time, obedience_time
+from ictamp_drake.models.panda import MAX_FINGER_SPEED
+from ictamp_drake.world import commands
+from ictamp_drake.world.commands import FORCE_RAMP, command_motion
+from tests.panda import GRIPPER, HOME
 from tests.world.scenes import way
 
 OPEN = GripperCommand(0.08)
 GRIP = GripperCommand(0.05, 30.0)
 q0, q1 = np.array(HOME), np.array(HOME) + [0.3, -0.2, 0.1, 0.2, -0.1, 0.2, 0.1]
+
+
+BOTH = (True, True)
+
+
+def desired_positions(q: FloatArray, before: GripperCommand, segments: list[Segment], end: float) -> Trajectory:
+    return command_motion(GRIPPER, q, before, segments, end).positions(BOTH)
+
+
+def feedforward(before: GripperCommand, segments: list[Segment], end: float) -> Trajectory:
+    return command_motion(GRIPPER, q0, before, segments, end).efforts(BOTH)
+
+
+def gripper_time(before: GripperCommand, after: GripperCommand) -> float:
+    return commands.gripper_time(before, after, GRIPPER.speed)
+
+
+def obedience_time(before: GripperCommand, segments: list[Segment]) -> float:
+    return commands.obedience_time(before, segments, GRIPPER.speed)
 
 
 def still(label: str, q: FloatArray, duration: float, gripper: GripperCommand) -> Segment:
@@ -116,9 +138,9 @@ def test_without_a_motion_everything_stays() -> None:
 @given(lengths=st.lists(st.sampled_from([0.3, 0.35, 0.6, 1 / 3, 0.1 + 0.2, 0.7]), min_size=2, max_size=6))
 def test_commands_may_follow_each_other_without_a_pause(lengths: list[float]) -> None:
     """The hand may need exactly the duration of a segment, up to rounding."""
-    commands, segments, before = [GRIP, OPEN], [], OPEN
+    segments, before = list[Segment](), OPEN
     for i, _ in enumerate(lengths):
-        after = commands[i % 2]
+        after = (GRIP, OPEN)[i % 2]
         segments.append(still("s", q0, gripper_time(before, after), after))
         before = after
     end = sum(segment.duration for segment in segments) + 1.0
@@ -126,19 +148,19 @@ def test_commands_may_follow_each_other_without_a_pause(lengths: list[float]) ->
     assert -forces.value(end)[7, 0] == pytest.approx(before.force)
 
 
-told = st.builds(
+goals = st.builds(
     GripperCommand, width=st.sampled_from([0.0, 0.03, 0.05, 0.08]), force=st.sampled_from([0.0, 30.0, 60.0])
 )
 
 
-@given(commands=st.lists(st.tuples(told, st.floats(0.01, 1.0)), min_size=1, max_size=6), before=told)
+@given(told=st.lists(st.tuples(goals, st.floats(0.01, 1.0)), min_size=1, max_size=6), before=goals)
 def test_a_command_is_obeyed_whole_before_the_next_one(
-    commands: list[tuple[GripperCommand, float]], before: GripperCommand
+    told: list[tuple[GripperCommand, float]], before: GripperCommand
 ) -> None:
     """However soon the next one comes, fingers keep their speed limit, forces do not jump, and each goal is reached."""
-    segments = [still("s", q0, duration, gripper) for gripper, duration in commands]
+    segments = [still("s", q0, duration, gripper) for gripper, duration in told]
     obeyed = obedience_time(before, segments)
-    end = max(obeyed, sum(duration for _, duration in commands)) + 0.5
+    end = max(obeyed, sum(duration for _, duration in told)) + 0.5
     times = np.arange(0.0, end, 0.001)
     positions, efforts = desired_positions(q0, before, segments, end), feedforward(before, segments, end)
     finger = np.array([positions.value(t)[7, 0] for t in times])
@@ -147,12 +169,12 @@ def test_a_command_is_obeyed_whole_before_the_next_one(
     assert force[0] == pytest.approx(before.force)
     assert np.abs(np.diff(finger)).max() <= MAX_FINGER_SPEED * 0.001 * (1 + 1e-6)
     assert np.abs(np.diff(force)).max() <= 60.0 / FORCE_RAMP * 0.001 * (1 + 1e-6)
-    last = commands[-1][0]
+    last = told[-1][0]
     np.testing.assert_allclose(2 * finger[times > obeyed], last.width, atol=1e-9)
     np.testing.assert_allclose(force[times > obeyed], last.force, atol=1e-9)
-    goals = [before, *(gripper for gripper, _ in commands)]
+    wanted = [before, *(gripper for gripper, _ in told)]
     reached = iter(2 * finger)
-    assert all(any(abs(width - goal.width) < 1.1e-4 for width in reached) for goal in goals)  # in their order
+    assert all(any(abs(width - goal.width) < 1.1e-4 for width in reached) for goal in wanted)  # in their order
 
 
 def test_a_command_in_time_starts_with_its_segment() -> None:

@@ -6,11 +6,12 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import FloatArray
-from ictamp_drake.models.kinematics import forward
-from ictamp_drake.motion.inverse_kinematics import LOWER, UPPER, ArmKinematics
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.robots.panda import forward
 from ictamp_drake.world.frames import upright_frame
 from ictamp_drake.world.matrices import flat, grasps, inverse, level, to_matrices, upright_frames
 from ictamp_drake.world.poses import to_transform
+from tests.panda import LOWER, PANDA, UPPER
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -54,7 +55,7 @@ def test_boxes_lie_as_one_by_one(seed: int) -> None:
 
 
 def test_the_hand_is_where_the_arm_model_has_it() -> None:
-    arm = ArmKinematics(RigidTransform())
+    arm = ArmKinematics(PANDA, RigidTransform())
     q = np.random.default_rng(0).uniform(LOWER, UPPER, (50, 7))
     expected = np.array([arm.forward(each).GetAsMatrix4() for each in q])
     np.testing.assert_allclose(forward(q), expected, atol=1e-9)

@@ -14,13 +14,14 @@ from pydrake.systems.framework import Context, EventStatus
 
 from ictamp_drake.core.errors import Code
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
-from ictamp_drake.models.constants import ARM_LIMITS, HOME, MAX_GRIP_FORCE
+from ictamp_drake.models.panda import ARM_LIMITS
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Frame
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import FINGERS, World
+from tests.panda import HOME, MAX_GRIP_FORCE, PANDA
 from tests.refusals import refusal
 from tests.world.scenes import RACK, SIZES, TABLE, arrange, box, build_tower, p_GO, pose, scene, stay, way
 
@@ -71,13 +72,17 @@ def physics() -> Physics:
         ("time_step", 0.0, Code.OUT_OF_RANGE),
         ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait forever
         ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # everything would be held
-        ("arm_stiffness", (100.0, 200.0), Code.WRONG_LENGTH),
         ("arm_damping", (-1.0,) * 7, Code.OUT_OF_RANGE),
     ],
 )
 def test_physics_that_makes_no_sense_is_refused(name: str, value: object, code: Code) -> None:
     with refusal(code, f"physics.{name.replace('_', '-')}", value=value):
         PhysicsConfig(**{name: value})
+
+
+def test_gains_of_another_number_of_joints_are_refused() -> None:
+    with refusal(Code.WRONG_LENGTH, "physics.arm-stiffness", value=(100.0, 200.0)):
+        PhysicsConfig(arm_stiffness=(100.0, 200.0)).gains(PANDA)
 
 
 def test_the_softest_and_the_stiffest_arm_can_be_built() -> None:
@@ -381,7 +386,7 @@ def test_a_box_that_one_finger_presses_is_not_held() -> None:
 def _efforts(physics: Physics, c: Configuration, motion: Motion) -> FloatArray:
     """Largest effort of each of the 9 joints during a motion, shape (9,)."""
     plant, largest = physics._scene.plant, np.zeros(9)
-    port, context = plant.get_net_actuation_output_port(physics._scene.bodies.arm), physics._scene.context
+    port, context = plant.get_net_actuation_output_port(physics._scene.robot.instances[0]), physics._scene.context
 
     def look(_: Context) -> EventStatus:
         np.maximum(largest, np.abs(port.Eval(context)), out=largest)

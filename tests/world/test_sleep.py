@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from ictamp_drake.core.types import Configuration, FloatArray, GripperCommand, Motion, Segment
-from ictamp_drake.models.constants import HOME
 from ictamp_drake.scenes.spec import BoxSpec, SceneSpec, SupportSpec
 from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.outcome import Outcome
 from ictamp_drake.world.simulate import Physics, Watcher
 from ictamp_drake.world.sleep import NEAR
 from ictamp_drake.world.world import World
+from tests.panda import HOME
 from tests.world.scenes import TABLE, arrange, pose, stay, way
 from tests.world.test_simulate import G_HEIGHT, G_X, OPEN, SIDE, TALL
 

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
 from ictamp_drake.core.types import Configuration, GripperCommand
-from ictamp_drake.models.constants import ARM_LIMITS, HOME
-from ictamp_drake.models.hand import MAX_OPENING
+from ictamp_drake.models.panda import ARM_LIMITS
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
+from tests.panda import HOME, MAX_OPENING
 from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, pose, scene
 
 NAMES = sorted(SIZES)
@@ -42,7 +42,7 @@ configurations = st.builds(
 def test_context_shows_c_bit_for_bit(world: World, c: Configuration) -> None:
     world.set_configuration(c)
     plant, context = world.plant, world.plant.GetMyContextFromRoot(world.context)
-    np.testing.assert_array_equal(plant.GetPositions(context, world.bodies.arm), [*c.q, *c.fingers])
+    np.testing.assert_array_equal(plant.GetPositions(context)[:9], [*c.q, *c.fingers])
     for name, body in world.bodies.boxes.items():
         np.testing.assert_array_equal(plant.GetPositions(context, body.model_instance()), c.poses[name])
 
