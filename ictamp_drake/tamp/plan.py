@@ -68,7 +68,7 @@ class Plan:
     def torque(self) -> TorqueUse | None:
         """Largest share of a joint's torque limit that the plan uses, with the joint and the step; None if it is empty.
 
-        Its text is a sentence: "Torque: at most 63 % of a joint's limit (panda_joint2, step 3)."
+        Its text is a sentence: "Torque: at most 63 % of a joint's limit (elbow_joint, step 3)."
         """
         return largest(self.torque_shares, find_robot(self.spec.robot).joints)
 
