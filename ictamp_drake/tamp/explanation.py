@@ -60,7 +60,10 @@ class Blocked:
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameter")
         if self.swept:
             beyond = " or ".join(self._limits) or _describe("")
-            words: dict[Cause, Cause] = {Failure.NO_INVERSE_KINEMATICS: beyond, Failure.GOAL_IN_COLLISION: "in collision"}
+            words: dict[Cause, Cause] = {
+                Failure.NO_INVERSE_KINEMATICS: beyond,
+                Failure.GOAL_IN_COLLISION: "in collision",
+            }
             causes: dict[Cause, int] = {words.get(cause, cause): count for cause, count in self.refusals.items()}
             return f"no {what} {_GRID}: {total} of {total} refused: {list_causes(causes)}"
         limits = f" ({' or '.join(self._limits)})" if self._limits else ""
