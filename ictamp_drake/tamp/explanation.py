@@ -60,8 +60,11 @@ class Blocked:
         what = _PARAMETERS.get(self.action.partition("(")[0], "parameter")
         if self.swept:
             beyond = " or ".join(self._limits) or _describe("")
-            words = {Failure.NO_INVERSE_KINEMATICS: beyond, Failure.GOAL_IN_COLLISION: "in collision"}
-            causes: dict[Cause, int] = {words.get(cause, cause): count for cause, count in self.refusals.items()}
+            words: dict[Cause, Cause] = {
+                Failure.NO_INVERSE_KINEMATICS: beyond,
+                Failure.GOAL_IN_COLLISION: "in collision",
+            }
+            causes = {words.get(cause, cause): count for cause, count in self.refusals.items()}
             return f"no {what} {_GRID}: {total} of {total} refused: {list_causes(causes)}"
         limits = f" ({' or '.join(self._limits)})" if self._limits else ""
         return f"{total} of {total} {what}s refused: {list_causes(self.refusals)}{limits}"

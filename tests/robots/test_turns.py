@@ -1,6 +1,5 @@
 """Joints that can turn more than once: postures are turned to where the arm is, and keep away from the limits."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given
