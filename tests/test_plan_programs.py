@@ -38,6 +38,7 @@ def test_a_plan_that_holds_is_reported_step_by_step(
     output = capsys.readouterr().out
     assert "1  pick(red_box, table)  as expected" in output.replace("   ", "  ").replace("   ", "  ")
     assert output.count("as expected") == 2
+    assert options or str(Plan.load(path).torque) in output
     assert "First missed" not in output
     assert "place(red_box, rack)" in page.read_text()
 

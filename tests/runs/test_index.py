@@ -12,6 +12,7 @@ import pytest
 from ictamp_drake.runs import index
 from ictamp_drake.runs.index import Index
 from ictamp_drake.runs.records import Record
+from ictamp_drake.tamp.torque_use import TorqueUse
 from tests.runs import recorded
 
 SOLVED = recorded.run("els", 0)
@@ -47,6 +48,12 @@ def test_an_entry_tells_what_its_record_tells(tmp_path: Path) -> None:
     assert (blocked["solved"], blocked["skills"]) == (False, None)
     assert "blue_box (30)" in blocked["details"][0]
     assert broken["error"] == BROKEN.error
+
+
+def test_a_plan_is_shown_with_the_torque_that_it_needs(tmp_path: Path) -> None:
+    torque = TorqueUse(share=0.6, joint="panda_joint2", step=3)
+    (entry,) = written(tmp_path / "out", replace(SOLVED, torque=torque))["entries"]
+    assert entry["details"] == [str(torque)]
 
 
 def test_only_what_is_there_is_linked(tmp_path: Path) -> None:

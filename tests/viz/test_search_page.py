@@ -11,6 +11,7 @@ import pytest
 
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Atom, Attempt, Configuration, Skeleton
+from ictamp_drake.motion.reach import Reach
 from ictamp_drake.planning.tree import Tree
 from ictamp_drake.viz.search_page import search_html
 from ictamp_drake.world.outcome import Frame
@@ -82,6 +83,19 @@ def test_the_record_in_the_page_is_that_of_the_tree(page: Path) -> None:
     assert record["layout"]["solution"] == [0, 1, 2]
     assert record["layout"]["stubs"] == [{"node": 0, "action": str(PICK)}, {"node": 1, "action": str(PLACE)}]
     assert record["attempts"][str(PICKED)] == {"seconds": 0.25, "detail": "", "segments": [["approach", 2.0]]}
+
+
+def test_a_step_without_a_posture_tells_why(tmp_path: Path) -> None:
+    tree = Tree(START, STATES[0])
+    tree.record_opening(Skeleton(STATES, (PICK, PLACE)), expanded=1)
+    far = np.array([1.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.2])
+    tree.record_step(0, 0, Attempt(PICK, Failure.NO_INVERSE_KINEMATICS, unreached=(far,)))
+    tree.record_step(0, 0, Attempt(PICK, Failure.NO_INVERSE_KINEMATICS, detail="of its own", unreached=(far,)))
+    search_html(SPEC, tree, {}, tmp_path / "search.html", "small")
+    first, second = (attempt["detail"] for attempt in data(tmp_path / "search.html")["attempts"].values())
+    assert first == Reach(SPEC).describe(far)
+    assert first
+    assert second == "of its own"
 
 
 def test_a_second_of_motion_takes_a_few_kilobytes(page: Path) -> None:
