@@ -166,7 +166,8 @@ def read_efforts(path: Path) -> Mapping[str, float]:
     if path.suffix != ".urdf":
         return {}
     found = ((name, re.search(r'<limit\b[^>]*\beffort="([^"]+)"', block)) for name, block in _joints_of(path))
-    return {name: _to_number(limit[1], path) for name, limit in found if limit}
+    efforts = {name: _to_number(limit[1], path) for name, limit in found if limit}
+    return {name: effort for name, effort in efforts.items() if effort > 0}
 
 
 def _joints_of(path: Path) -> Iterator[tuple[str, str]]:

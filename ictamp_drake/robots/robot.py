@@ -94,16 +94,15 @@ class Robot:
     @cached_property
     def effort(self) -> FloatArray:
         """Torque limits of the arm's joints, shape (n,) [N m]."""
-        plant = self._bare.plant
-        actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
-        limits = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
-        return self._limit("effort", [limits[name] for name in self.joints])
+        arm = self._bare.actuators[: len(self.joints)]
+        return self._limit("effort", [actuator.effort_limit() for actuator in arm])
 
     def _limit(self, name: str, found: "list[float] | FloatArray") -> FloatArray:
         """Return the limits of the file, or those of the model if the file has none."""
         limits = np.array(getattr(self.spec, name) or found)
-        if not np.all(np.isfinite(limits)):
-            joint = self.joints[int(np.argmin(np.isfinite(limits)))]
+        known = np.isfinite(limits) & (limits > 0)  # some models write 0 for what they do not know
+        if not known.all():
+            joint = self.joints[int(np.argmin(known))]
             problem = f"the model has no {name} limit of {joint}, so the file must give one for each joint"
             raise IctampError(Code.MISSING_FIELD, problem, field=name)
         return _freeze(limits)
@@ -161,14 +160,19 @@ class Robot:
         return _align(axis, self.chain.rotation[:, 2]) if is_on_axis else 0.0
 
     def face(self, x: float, y: float) -> FloatArray:
-        """Return home, with the arm turned about its waist so that G is where x and y of the base frame point to.
+        """Return home, with the arm turned about its waist towards (x, y) in the base frame [m], shape (n,) [rad].
 
         An arm without a waist stays as it is.
         """
-        ahead = np.round(self.forward(self.home[None])[0, :2, 3], 6)
-        first = self.home[0] + self.waist * (np.arctan2(y, x) - np.arctan2(ahead[1], ahead[0]))
+        first = self.home[0] + self.waist * (np.arctan2(y, x) - self._heading)
         first += 2 * np.pi * np.round((self.home[0] - first) / (2 * np.pi))
         return np.append(first, self.home[1:])
+
+    @cached_property
+    def _heading(self) -> float:
+        """Direction of G from the base at home, about the base's z axis [rad]."""
+        x, y = np.round(self.forward(self.home[None])[0, :2, 3], 6)
+        return float(np.arctan2(y, x))
 
     def inverse(self, kind: KinematicsKind, starts: int) -> InverseKinematics:
         """Return the inverse kinematics of a kind, see `robots.choice`; `auto` leaves the choice to the robot's file.
