@@ -1,5 +1,7 @@
 """An arm with a gripper, built from its file. Everything that must know the robot of a scene asks it here."""
 
+from collections.abc import Hashable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -320,20 +322,34 @@ def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int) -> Inve
 
 
 def find_robot(name: str = DEFAULT) -> Robot:
-    """Return a robot that ships, or that of a file. A robot whose file has not changed is built once.
+    """Return a robot that ships, or that of a file. It is built once, and again when one of its files has changed.
 
     Raises:
         IctampError: There is no such robot, or its file or models are not valid.
     """
-    return _build(name, read_robot(name))
+    spec, file = read_robot(name), find_file(name)
+    with in_file(file):
+        models = _find_models(spec, file.parent.resolve())
+        return _build(name, spec, models, tuple(each and _stamp(each) for each in models))
 
 
 @lru_cache(maxsize=32)
-def _build(name: str, spec: RobotSpec) -> Robot:
-    file = find_file(name)
-    with in_file(file):
-        folder, gripper = file.parent, spec.gripper.model
-        model = find_model(spec.model, folder, "model")
-        robot = Robot(name, spec, model, find_model(gripper, folder, "gripper.model") if gripper else None)
-        robot.check()
+def _find_models(spec: RobotSpec, folder: Path) -> tuple[Path, Path | None]:
+    """Return the files of the models of a robot file in a folder; see `Robot`."""
+    gripper = spec.gripper.model
+    return find_model(spec.model, folder, "model"), find_model(gripper, folder, "gripper.model") if gripper else None
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """Return what changes when a file does; None if it cannot be read, of which `_build` tells."""
+    with suppress(OSError):
+        status = path.stat()
+        return status.st_mtime_ns, status.st_size
+    return None
+
+
+@lru_cache(maxsize=32)
+def _build(name: str, spec: RobotSpec, models: tuple[Path, Path | None], _stamps: Hashable) -> Robot:
+    robot = Robot(name, spec, *models)
+    robot.check()
     return robot
