@@ -186,18 +186,24 @@ class Robot:
     @cached_property
     def _bare(self) -> RobotBodies:
         """The robot alone, without shapes, in a plant whose joints all move freely."""
-        plant = MultibodyPlant(0.0)
+        return self.add_alone(MultibodyPlant(0.0))
+
+    def add_alone(self, plant: MultibodyPlant, shapes: Shapes = "contact") -> RobotBodies:
+        """Add the robot to an empty plant, with its base in the origin of the world, and finalize the plant.
+
+        Raises:
+            IctampError: Drake cannot connect the links.
+        """
         with refuse_unconnected():
-            bodies = self.add_to(plant, RigidTransform())
-            for constraint in plant.GetConstraintIds():
-                plant.RemoveConstraint(constraint)
+            bodies = self.add_to(plant, RigidTransform(), shapes)
             plant.Finalize()
         return bodies
 
     def add_to(self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes = "contact") -> RobotBodies:
         """Add the robot to a plant that is not finalized, and fix its base at a pose.
 
-        The plant has actuators of the joints that are commanded and no others. Call `filter` once it is finalized.
+        The plant has actuators of the joints that are commanded and no others. If it is continuous, joints that follow
+        others move freely. Call `filter` once it is finalized.
         """
         spec, gripper = self.spec, self.spec.gripper
         arm_without = frozenset(spec.collision) | (frozenset() if self.gripper_model else frozenset(gripper.collision))
@@ -236,6 +242,9 @@ class Robot:
         for joint in bodies.finger_joints:
             if gripper.joint_damping is not None:
                 joint.set_default_damping(gripper.joint_damping)
+        if not plant.time_step():
+            for constraint in plant.GetConstraintIds():
+                plant.RemoveConstraint(constraint)
         if plant.geometry_source_is_registered() and shapes != "visible":
             self._add_shapes(bodies, points=shapes == "contact")
         return bodies
