@@ -51,7 +51,7 @@ def describe_robot(spec: SceneSpec, timing: Timing | None) -> dict[str, Any]:
             "max_force": gripper.force,
             "finger_speed": gripper.speed,
             "force_ramp": FORCE_RAMP,
-            "grasp_frame": to_pose(robot.X_FG).tolist(),
+            "grasp_frame": (to_pose(robot.X_FG).round(12) + 0.0).tolist(),  # no -0 and no 1e-17
             "pads": [_describe_pad(gripper, finger) for finger in (0, 1)],
             **({} if gripper.shares is not None else {"travel": _describe_travel(gripper)}),
         },
