@@ -22,6 +22,7 @@ def decode(schema: type[T], raw: object, where: str = "") -> T:
 
     Fields may hold other dataclasses, dict[str, …], tuple[…], unions, literals, numbers, text and truth values. Values
     of fields with any other annotation are not converted. Numbers may be given as text, since YAML reads 1e-3 as text.
+    A number stands for a list of that one number where a list may have any length.
 
     Raises:
         IctampError: A field is unknown or missing, or its value has the wrong type or is refused by the dataclass.
@@ -83,6 +84,8 @@ def _value(hint: Any, raw: object, where: str) -> object:
         value: object = {k: _value(parts[1], item, join_fields(where, k)) for k, item in mapping(raw, where).items()}
     elif origin is tuple and isinstance(raw, list | tuple):
         value = _items(hint, raw, where)
+    elif parts == (float, ...) and type(raw) in (int, float):
+        value = _items(hint, (raw,), where)
     elif origin is UnionType:
         value = None if raw is None and NoneType in parts else _value(_some(hint), raw, where)
     elif origin is Literal:

@@ -173,7 +173,9 @@ class GripperSpec:
         ranges = {"opening": (0.01, 1.0), "force": (1.0, 1e4), "speed": (1e-3, 10.0), "stiffness": (1.0, 1e9)}
         for name, (low, high) in ranges.items():
             check_range(name, getattr(self, name), low, high)
-        check_range("damping", self.damping, 0, 1e9)
+        for name in ("damping", "joint_damping"):
+            if (value := getattr(self, name)) is not None:
+                check_range(name, value, 0, 1e9)
         if self.model and self.mount is None:
             raise IctampError(Code.MISSING_FIELD, "missing field", field="mount")
 
@@ -187,8 +189,8 @@ class GripperSpec:
 class RobotSpec:
     """An arm with a gripper.
 
-    Limits are those of the model. Limits given here replace them, except those of positions. A list of one number
-    serves all joints.
+    Limits are those of the model. Limits given here replace them, except those of positions. One number serves
+    all joints.
 
     Attributes:
         description: Maker and type.

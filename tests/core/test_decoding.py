@@ -30,6 +30,7 @@ class Cart:
     size: tuple[float, float] = (1.0, 2.0)
     path: tuple[tuple[float, float], ...] = ()
     words: tuple[str, ...] = ()
+    lengths: tuple[float, ...] = ()
     is_new: bool = False
     load: float | None = None
     about: Any = None
@@ -69,6 +70,10 @@ def test_all_kinds_of_fields_are_read() -> None:
     assert type(found.wheels[1].spokes) is int
 
 
+def test_a_number_stands_for_a_list_of_one() -> None:
+    assert decode(Cart, {"name": "red", "lengths": 2}).lengths == (2.0,)
+
+
 def test_what_is_left_out_has_its_default_and_nothing_can_be_given() -> None:
     assert decode(Cart, {"name": "red", "spare": None, "load": None}) == Cart("red")
 
@@ -93,6 +98,8 @@ def test_what_is_left_out_has_its_default_and_nothing_can_be_given() -> None:
         ({"name": "a", "size": "12"}, Code.WRONG_TYPE, "cart.size"),
         ({"name": "a", "path": [[0, 0], [1]]}, Code.WRONG_LENGTH, "cart.path[1]"),
         ({"name": "a", "path": [[0, 0], [1, "x"]]}, Code.WRONG_TYPE, "cart.path[1]"),
+        ({"name": "a", "lengths": True}, Code.WRONG_TYPE, "cart.lengths"),
+        ({"name": "a", "words": 1}, Code.WRONG_TYPE, "cart.words"),
         ({"name": "a", "words": [1]}, Code.WRONG_TYPE, "cart.words"),
         ({"name": "a", "is_new": 1}, Code.WRONG_TYPE, "cart.is_new"),
         ({"name": "a", "load": "heavy"}, Code.WRONG_TYPE, "cart.load"),

@@ -94,7 +94,7 @@ def content() -> dict[str, Any]:
         "joints": list(HEIGHT),
         "home": [0.0, 0.0, 1.6, 0.0, 1.5415926535897931, 0.0],
         "acceleration": [10],
-        "jerk": [1000],
+        "jerk": 1000,
         "stiffness": [2000],
         "damping": [100],
         "gripper": gripper,
@@ -107,3 +107,12 @@ def write(folder: Path, changed: dict[str, Any] | None = None, model: str | None
     file = folder / "small.yaml"
     file.write_text(yaml.safe_dump(changed or content(), sort_keys=False), encoding="utf-8")
     return file
+
+
+def write_coupled(folder: Path) -> Path:
+    """Write the files of the robot with one driven finger, which the other one follows; see `write`."""
+    model, changed = urdf(), content()
+    start = model.index('<joint name="right_joint"')
+    mimic = '<mimic joint="left_joint" multiplier="1" offset="0"/></joint>'
+    changed["gripper"]["joints"] = ["left_joint"]
+    return write(folder, changed, model[:start] + model[start:].replace("</joint>", mimic, 1))
