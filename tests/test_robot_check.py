@@ -61,6 +61,7 @@ MISTAKES: dict[str, tuple[Callable[[Content], object], set[Found]]] = {
     "no such field": (lambda c: c.update(tool=1), {(Code.UNKNOWN_FIELD, "tool")}),
     "no flange": (lambda c: c.pop("flange"), {(Code.MISSING_FIELD, "flange")}),
     "text for a number": (gripper(opening="wide"), {(Code.WRONG_TYPE, "gripper.opening")}),
+    "friction of the fingers": (gripper(joint_damping=-1), {(Code.OUT_OF_RANGE, "gripper.joint_damping")}),
     "home too short": (lambda c: c.update(home=[0, 0]), {(Code.WRONG_LENGTH, "home")}),
     "several": (
         lambda c: (c.update(tool=1, kinematics="best", stiffness=[1, 2]), c["gripper"].pop("force"), c.pop("base")),

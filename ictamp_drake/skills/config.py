@@ -134,8 +134,8 @@ class OptimizationConfig:
             comfort=(0, 1e9),
             spread=(0, 10),
         )
-
-        check_range("samplers.optimization.max-width", self.max_width or 1.0, 1e-3, 1)
+        if self.max_width is not None:
+            check_range("samplers.optimization.max-width", self.max_width, 1e-3, 1)
 
     @property
     def tight(self) -> "OptimizationConfig":

@@ -84,17 +84,31 @@ class PhysicsConfig:
         )
         check_vector("physics.arm-stiffness", self.arm_stiffness, 1e-3, 1e9, count=None)
         check_vector("physics.arm-damping", self.arm_damping, 0, 1e9, count=None)
-        check_range("physics.finger-stiffness", self.finger_stiffness or 1.0, 1e-3, 1e9)
-        check_range("physics.finger-damping", self.finger_damping or 0.0, 0, 1e9)
+        if self.finger_stiffness is not None:
+            check_range("physics.finger-stiffness", self.finger_stiffness, 1e-3, 1e9)
+        if self.finger_damping is not None:
+            check_range("physics.finger-damping", self.finger_damping, 0, 1e9)
 
     def create(self, world: "World") -> "Physics":
-        """A simulator of the scene."""
+        """A simulator of the scene.
+
+        Raises:
+            IctampError: The number of gains is not that of the arm's joints, or joints of the hand follow others, which
+                Drake's solver tamsi does not know.
+        """
         from ictamp_drake.world.simulate import Physics
 
+        gripper = world.robot.gripper
+        if self.contact_approximation == "tamsi" and len(gripper.driven) < len(gripper.joints):
+            problem = f"{{value}} does not work with the hand of {world.robot.name}, some of whose joints follow others"
+            field, advice = "physics.contact-approximation", "choose sap, similar or lagged"
+            raise IctampError(Code.CONFLICT, problem, field=field, value="tamsi", advice=advice)
         return Physics(world, self)
 
     def gains(self, robot: "Robot") -> tuple[FloatArray, FloatArray]:
-        """Stiffness and damping of the controllers of the arm's joints, then of the driven joints of the fingers.
+        """Stiffness and damping of the controllers, each of shape (commanded,) [N m/rad or N/m, N m s/rad or N s/m].
+
+        Those of the arm's joints come first, then those of the driven joints of the fingers.
 
         Raises:
             IctampError: The number of values is not that of the arm's joints.

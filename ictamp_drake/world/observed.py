@@ -25,7 +25,7 @@ class Start:
     """Observations before planning. Anything left out is as the scene says.
 
     Attributes:
-        joints: Positions of the arm's joints, base first [rad], shape (7,).
+        joints: Positions of the arm's joints, base first [rad], shape (n,).
         held: Name of the box between the fingers; empty for none.
         poses: X_WO of boxes by name, each a pose array of shape (7,), unit quaternion (w, x, y, z) then position [m],
             or a `RigidTransform`. A box is set down on what it stands on if it is at most 1 cm above or inside it and

@@ -33,10 +33,5 @@ def test_no_finger_opens_farther_than_it_can(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("middle", [0.0, 0.005])
 def test_a_finger_that_follows_the_other_one_stays_with_it(tmp_path: Path, middle: float) -> None:
-    model, content = small.urdf(), small.content()
-    start = model.index('<joint name="right_joint"')
-    mimic = '<mimic joint="left_joint" multiplier="1" offset="0"/></joint>'
-    model = model[:start] + model[start:].replace("</joint>", mimic, 1)
-    content["gripper"]["joints"] = ["left_joint"]
-    gripper = find_robot(str(small.write(tmp_path, content, model))).gripper
+    gripper = find_robot(str(small.write_coupled(tmp_path))).gripper
     np.testing.assert_allclose(gripper.enclose(0.04, middle), 0.02)

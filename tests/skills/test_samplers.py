@@ -38,6 +38,11 @@ def test_a_range_that_ends_before_it_begins_is_refused(config: SamplerConfig, na
         dataclasses.replace(config, **{name: (2.0, 1.0)})
 
 
+def test_boxes_without_width_are_not_gripped() -> None:
+    with refusal(Code.OUT_OF_RANGE, "samplers.optimization.max-width", value=0.0):
+        OptimizationConfig(max_width=0.0)
+
+
 @pytest.fixture(scope="module")
 def world() -> World:
     spec = scene(far_boxes())

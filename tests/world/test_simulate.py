@@ -3,6 +3,7 @@
 import pickle
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from ictamp_drake.world.simulate import Physics
 from ictamp_drake.world.world import FINGERS, World
 from tests.panda import HOME, MAX_GRIP_FORCE, PANDA
 from tests.refusals import refusal
+from tests.robots import small
 from tests.world.scenes import RACK, SIZES, TABLE, arrange, box, build_tower, p_GO, pose, scene, stay, way
 
 OPEN = GripperCommand(0.08)
@@ -73,6 +75,7 @@ def physics() -> Physics:
         ("settle_check", 0.0, Code.OUT_OF_RANGE),  # would wait forever
         ("min_pad_force", 0.0, Code.OUT_OF_RANGE),  # everything would be held
         ("arm_damping", (-1.0,) * 7, Code.OUT_OF_RANGE),
+        ("finger_stiffness", 0.0, Code.OUT_OF_RANGE),  # nothing would be held
     ],
 )
 def test_physics_that_makes_no_sense_is_refused(name: str, value: object, code: Code) -> None:
@@ -83,6 +86,12 @@ def test_physics_that_makes_no_sense_is_refused(name: str, value: object, code: 
 def test_gains_of_another_number_of_joints_are_refused() -> None:
     with refusal(Code.WRONG_LENGTH, "physics.arm-stiffness", value=(100.0, 200.0)):
         PhysicsConfig(arm_stiffness=(100.0, 200.0)).gains(PANDA)
+
+
+def test_a_solver_that_drops_what_couples_the_fingers_is_refused(tmp_path: Path) -> None:
+    world = World(replace(pedestal(), robot=str(small.write_coupled(tmp_path))))
+    with refusal(Code.CONFLICT, "physics.contact-approximation", value="tamsi"):
+        PhysicsConfig(contact_approximation="tamsi").create(world)
 
 
 def test_the_softest_and_the_stiffest_arm_can_be_built() -> None:
