@@ -148,6 +148,8 @@ MODELS: dict[str, tuple[Callable[[str], str], set[Found]]] = {
     "not XML": (lambda text: text[:200], {(Code.NOT_READABLE, "model")}),
     "velocity": (lambda text: text.replace('velocity="2"', ""), {(Code.MISSING_FIELD, "velocity")}),
     "effort": (lambda text: text.replace('effort="80"', ""), {(Code.MISSING_FIELD, "effort")}),
+    "effort of 0": (lambda text: text.replace('effort="80"', 'effort="0"'), {(Code.MISSING_FIELD, "effort")}),
+    "velocity of 0": (lambda text: text.replace('velocity="2"', 'velocity="0"'), {(Code.MISSING_FIELD, "velocity")}),
     "fixed to the world": (
         lambda text: text.replace(
             "</robot>", '<joint name="w" type="fixed"><parent link="world"/><child link="base"/></joint></robot>'

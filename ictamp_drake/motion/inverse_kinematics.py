@@ -250,8 +250,6 @@ def _arm_plant(robot: Robot, base: tuple[float, ...]) -> RobotBodies:
     plant = MultibodyPlant(0.0)
     X_WB = np.reshape(base, (3, 4))
     bodies = robot.add_to(plant, RigidTransform(RotationMatrix(X_WB[:, :3]), X_WB[:, 3]))
-    for constraint in plant.GetConstraintIds():
-        plant.RemoveConstraint(constraint)
     for actuator in bodies.actuators[len(bodies.arm_joints) :]:
         plant.RemoveJointActuator(actuator)
     for joint in bodies.finger_joints:

@@ -69,16 +69,28 @@ class Gripper:
         """Return the positions of all joints of the fingers at a width [m], shape (joints,)."""
         return self._places(np.array([width]))[0]
 
+    @cached_property
+    def movers(self) -> tuple[int, int]:
+        """Numbers of the driven joints, among all joints, that move the first and the second pad."""
+        first, second = np.abs(self.pulls).max(axis=0).argmax(axis=0)
+        return self.driven[int(first)], self.driven[int(second)]
+
     def enclose(self, width: float, middle: float) -> FloatArray:
         """Return the positions of all joints at which the pads touch something of a width, shape (joints,).
 
         Args:
             width: Its width [m].
-            middle: Position of its center along G's y axis [m]. Fingers that move one by one reach it there.
+            middle: Position of its center along G's y axis [m]. It is ignored if one joint drives both fingers.
         """
-        if self.shares is None or len(self.shares) != 2:
-            return self.positions(width)
-        return np.clip((width / 2 + middle * np.array([1.0, -1.0])) * 2 * self.shares, 0.0, self.opening * self.shares)
+        places = self.positions(width)
+        first, second = self.movers
+        if self.shares is None or first == second:
+            return places
+        for joint, side in ((first, 1.0), (second, -1.0)):
+            open_ = self.opening * self.shares[joint]
+            place = (width / 2 + side * middle) * 2 * self.shares[joint]
+            places[joint] = np.clip(place, min(open_, 0.0), max(open_, 0.0))
+        return places
 
     def drive(self, widths: FloatArray) -> FloatArray:
         """Return the positions of the driven joints at widths, shape (n,) [m] -> (driven, n)."""

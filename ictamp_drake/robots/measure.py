@@ -9,6 +9,7 @@ from pydrake.planning import RobotDiagramBuilder
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.robots.alone import Alone
 from ictamp_drake.robots.bodies import RobotBodies
 from ictamp_drake.robots.hand import Cylinder, Hand, Outline, Row
 from ictamp_drake.robots.model_files import Mimic
@@ -151,8 +152,7 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
     """
     builder = RobotDiagramBuilder(time_step=0.0)
     plant = builder.plant()
-    bodies = robot.add_to(plant, RigidTransform(), "solid")
-    plant.Finalize()
+    bodies = robot.add_alone(plant, "solid")
     diagram = builder.Build()
     inspector = diagram.scene_graph().model_inspector()
     context = plant.GetMyContextFromRoot(diagram.CreateDefaultContext())
@@ -173,29 +173,10 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
 
 def find_touching(robot: "Robot") -> tuple[tuple[str, str], ...]:
     """Find the pairs of links that touch in all of many random postures, open and closed."""
-    builder = RobotDiagramBuilder(time_step=0.0)
-    plant = builder.plant()
-    bodies = robot.add_to(plant, RigidTransform(), "solid")
-    plant.Finalize()
-    diagram = builder.Build()
-    root = diagram.CreateDefaultContext()
-    context = plant.GetMyMutableContextFromRoot(root)
-    scene_graph = diagram.scene_graph()
-    port = scene_graph.get_query_output_port()
-    inspector = scene_graph.model_inspector()
-    rng = np.random.default_rng(0)
+    alone, rng, fingers = Alone(robot, filtered=False), np.random.default_rng(0), robot.gripper.places
     lower, upper = np.clip(robot.lower, -np.pi, np.pi), np.clip(robot.upper, -np.pi, np.pi)
-    always: set[tuple[str, str]] | None = None
-    places = robot.gripper.places
-    for number in range(_POSTURES):
-        q = np.zeros(plant.num_positions())
-        q[bodies.arm] = rng.uniform(lower, upper)
-        q[bodies.gripper] = places[number % len(places)]
-        plant.SetPositions(context, q)
-        pairs = port.Eval(scene_graph.GetMyContextFromRoot(root)).ComputePointPairPenetration()
-        names = ((plant.GetBodyFromFrameId(inspector.GetFrameId(i)).name() for i in (p.id_A, p.id_B)) for p in pairs)
-        found = {(min(pair), max(pair)) for pair in (tuple(each) for each in names)}
-        always = found if always is None else always & found
-        if not always:
-            break
-    return tuple(sorted(always or ()))
+    postures = (alone.contacts(rng.uniform(lower, upper), fingers[i % len(fingers)]) for i in range(_POSTURES))
+    always = set(next(postures))
+    while always and (touching := next(postures, None)) is not None:
+        always.intersection_update(touching)
+    return tuple(sorted(always))

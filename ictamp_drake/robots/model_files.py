@@ -17,12 +17,10 @@ from ictamp_drake.models.model_text import Shapes, keep_shapes
 from ictamp_drake.models.package import PACKAGE_FILE, add_package
 
 _PACKAGE = re.compile(r"package://([^/\"<\s]+)")
-_URI = re.compile(r'(filename="|<uri>\s*)(?!\w+://)([^"<\s]+)')
+_URI = re.compile(r"""(filename=["']|<uri>\s*)(?!\w+://)([^"'<]*[^"'<\s])""")
 _MIMIC = re.compile(r"<(?:drake:)?mimic\b[^>]*/>")
 _TEXTS = {".sdf": "sdf", ".urdf": "urdf"}
 """Formats whose shapes are left out by changing the text; in an MJCF file they stay."""
-
-
 _MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
@@ -93,7 +91,9 @@ def add_model(
     add_package(parser)
     parser.SetAutoRenaming(True)
     kind = _TEXTS.get(path.suffix)
-    text = _read_model(path, shapes, without) if kind else read_text(path)
+    text = read_text(path)
+    if kind:
+        text = _prepare(text, path.parent, shapes, without)
     if not plant.time_step():  # a continuous plant has no constraints, and Drake would warn of each
         text = _MIMIC.sub("", text)
     _add_installed(parser.package_map(), [text], field)
@@ -125,12 +125,11 @@ def _release(plant: MultibodyPlant, instance: ModelInstanceIndex, path: Path, fi
 
 
 @lru_cache(maxsize=32)
-def _read_model(path: Path, shapes: Shapes, without: frozenset[str]) -> str:
-    """Return the model as text, in which all paths are absolute: Drake parses a file 0.03 s slower than its text."""
-    text = read_text(path)
+def _prepare(text: str, folder: Path, shapes: Shapes, without: frozenset[str]) -> str:
+    """Return a model of a folder with absolute paths and some shapes: Drake parses a file 0.03 s slower than a text."""
     for link in without:
         text = re.sub(_block_of(link), lambda found: keep_shapes(found[0], "visible"), text, flags=re.DOTALL)
-    text = _URI.sub(lambda found: f"{found[1]}file://{(path.parent / found[2]).resolve()}", text)
+    text = _URI.sub(lambda found: f"{found[1]}file://{(folder / found[2]).resolve()}", text)
     return keep_shapes(text, shapes)
 
 
@@ -143,7 +142,6 @@ def _block_of(link: str) -> str:
     return rf'<link\s[^>]*name="{re.escape(link)}".*?</link>'
 
 
-@lru_cache(maxsize=32)
 def read_mimics(path: Path) -> Mapping[str, Mimic]:
     """Return the joints of an SDF or URDF file that follow others, by name.
 
@@ -160,13 +158,13 @@ def read_mimics(path: Path) -> Mapping[str, Mimic]:
     return found
 
 
-@lru_cache(maxsize=32)
 def read_efforts(path: Path) -> Mapping[str, float]:
     """Return the limits of effort of a URDF file by joint. Drake takes only those of joints with a transmission."""
     if path.suffix != ".urdf":
         return {}
     found = ((name, re.search(r'<limit\b[^>]*\beffort="([^"]+)"', block)) for name, block in _joints_of(path))
-    return {name: _to_number(limit[1], path) for name, limit in found if limit}
+    efforts = {name: _to_number(limit[1], path) for name, limit in found if limit}
+    return {name: effort for name, effort in efforts.items() if effort > 0}
 
 
 def _joints_of(path: Path) -> Iterator[tuple[str, str]]:

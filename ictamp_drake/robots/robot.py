@@ -1,5 +1,7 @@
 """An arm with a gripper, built from its file. Everything that must know the robot of a scene asks it here."""
 
+from collections.abc import Hashable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -94,16 +96,15 @@ class Robot:
     @cached_property
     def effort(self) -> FloatArray:
         """Torque limits of the arm's joints, shape (n,) [N m]."""
-        plant = self._bare.plant
-        actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
-        limits = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
-        return self._limit("effort", [limits[name] for name in self.joints])
+        arm = self._bare.actuators[: len(self.joints)]
+        return self._limit("effort", [actuator.effort_limit() for actuator in arm])
 
     def _limit(self, name: str, found: "list[float] | FloatArray") -> FloatArray:
         """Return the limits of the file, or those of the model if the file has none."""
         limits = np.array(getattr(self.spec, name) or found)
-        if not np.all(np.isfinite(limits)):
-            joint = self.joints[int(np.argmin(np.isfinite(limits)))]
+        known = np.isfinite(limits) & (limits > 0)  # some models write 0 for what they do not know
+        if not known.all():
+            joint = self.joints[int(np.argmin(known))]
             problem = f"the model has no {name} limit of {joint}, so the file must give one for each joint"
             raise IctampError(Code.MISSING_FIELD, problem, field=name)
         return _freeze(limits)
@@ -161,14 +162,19 @@ class Robot:
         return _align(axis, self.chain.rotation[:, 2]) if is_on_axis else 0.0
 
     def face(self, x: float, y: float) -> FloatArray:
-        """Return home, with the arm turned about its waist so that G is where x and y of the base frame point to.
+        """Return home, with the arm turned about its waist towards (x, y) in the base frame [m], shape (n,) [rad].
 
         An arm without a waist stays as it is.
         """
-        ahead = np.round(self.forward(self.home[None])[0, :2, 3], 6)
-        first = self.home[0] + self.waist * (np.arctan2(y, x) - np.arctan2(ahead[1], ahead[0]))
+        first = self.home[0] + self.waist * (np.arctan2(y, x) - self._heading)
         first += 2 * np.pi * np.round((self.home[0] - first) / (2 * np.pi))
         return np.append(first, self.home[1:])
+
+    @cached_property
+    def _heading(self) -> float:
+        """Direction of G from the base at home, about the base's z axis [rad]."""
+        x, y = np.round(self.forward(self.home[None])[0, :2, 3], 6)
+        return float(np.arctan2(y, x))
 
     def inverse(self, kind: KinematicsKind, starts: int) -> InverseKinematics:
         """Return the inverse kinematics of a kind, see `robots.choice`; `auto` leaves the choice to the robot's file.
@@ -180,18 +186,24 @@ class Robot:
     @cached_property
     def _bare(self) -> RobotBodies:
         """The robot alone, without shapes, in a plant whose joints all move freely."""
-        plant = MultibodyPlant(0.0)
+        return self.add_alone(MultibodyPlant(0.0))
+
+    def add_alone(self, plant: MultibodyPlant, shapes: Shapes = "contact") -> RobotBodies:
+        """Add the robot to an empty plant, with its base in the origin of the world, and finalize the plant.
+
+        Raises:
+            IctampError: Drake cannot connect the links.
+        """
         with refuse_unconnected():
-            bodies = self.add_to(plant, RigidTransform())
-            for constraint in plant.GetConstraintIds():
-                plant.RemoveConstraint(constraint)
+            bodies = self.add_to(plant, RigidTransform(), shapes)
             plant.Finalize()
         return bodies
 
     def add_to(self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes = "contact") -> RobotBodies:
         """Add the robot to a plant that is not finalized, and fix its base at a pose.
 
-        The plant has actuators of the joints that are commanded and no others. Call `filter` once it is finalized.
+        The plant has actuators of the joints that are commanded and no others. If it is continuous, joints that follow
+        others move freely. Call `filter` once it is finalized.
         """
         spec, gripper = self.spec, self.spec.gripper
         arm_without = frozenset(spec.collision) | (frozenset() if self.gripper_model else frozenset(gripper.collision))
@@ -230,6 +242,9 @@ class Robot:
         for joint in bodies.finger_joints:
             if gripper.joint_damping is not None:
                 joint.set_default_damping(gripper.joint_damping)
+        if not plant.time_step():
+            for constraint in plant.GetConstraintIds():
+                plant.RemoveConstraint(constraint)
         if plant.geometry_source_is_registered() and shapes != "visible":
             self._add_shapes(bodies, points=shapes == "contact")
         return bodies
@@ -316,20 +331,34 @@ def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int) -> Inve
 
 
 def find_robot(name: str = DEFAULT) -> Robot:
-    """Return a robot that ships, or that of a file. A robot whose file has not changed is built once.
+    """Return a robot that ships, or that of a file. It is built once, and again when one of its files has changed.
 
     Raises:
         IctampError: There is no such robot, or its file or models are not valid.
     """
-    return _build(name, read_robot(name))
+    spec, file = read_robot(name), find_file(name)
+    with in_file(file):
+        models = _find_models(spec, file.parent.resolve())
+        return _build(name, spec, models, tuple(each and _stamp(each) for each in models))
 
 
 @lru_cache(maxsize=32)
-def _build(name: str, spec: RobotSpec) -> Robot:
-    file = find_file(name)
-    with in_file(file):
-        folder, gripper = file.parent, spec.gripper.model
-        model = find_model(spec.model, folder, "model")
-        robot = Robot(name, spec, model, find_model(gripper, folder, "gripper.model") if gripper else None)
-        robot.check()
+def _find_models(spec: RobotSpec, folder: Path) -> tuple[Path, Path | None]:
+    """Return the files of the models of a robot file in a folder; see `Robot`."""
+    gripper = spec.gripper.model
+    return find_model(spec.model, folder, "model"), find_model(gripper, folder, "gripper.model") if gripper else None
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """Return what changes when a file does; None if it cannot be read, of which `_build` tells."""
+    with suppress(OSError):
+        status = path.stat()
+        return status.st_mtime_ns, status.st_size
+    return None
+
+
+@lru_cache(maxsize=32)
+def _build(name: str, spec: RobotSpec, models: tuple[Path, Path | None], _stamps: Hashable) -> Robot:
+    robot = Robot(name, spec, *models)
+    robot.check()
     return robot

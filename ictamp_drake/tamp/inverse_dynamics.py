@@ -118,8 +118,6 @@ def _loaded_plant(robot: Robot, base: tuple[float, ...]) -> RobotBodies:
     plant = MultibodyPlant(0.0)
     X_WB = np.reshape(base, (3, 4))
     bodies = robot.add_to(plant, RigidTransform(RotationMatrix(X_WB[:, :3]), X_WB[:, 3]))
-    for constraint in plant.GetConstraintIds():
-        plant.RemoveConstraint(constraint)
     load = plant.AddRigidBody(_LOAD, plant.AddModelInstance(_LOAD), SpatialInertia.Zero())
     plant.WeldFrames(bodies.grasp, load.body_frame())
     plant.Finalize()

@@ -59,10 +59,10 @@ def describe_robot(spec: SceneSpec, timing: Timing | None) -> dict[str, Any]:
 
 
 def _describe_pad(gripper: Gripper, finger: int) -> dict[str, Any]:
-    side, driven = (1.0, -1.0)[finger], gripper.driven[min(finger, len(gripper.driven) - 1)]
+    side, joint = (1.0, -1.0)[finger], gripper.joints[gripper.movers[finger]]
     x, y, z = gripper.spec.pads.size
     shape = Shape("pad", "box", (x, y, z), (0.0, side * y / 2, gripper.rise(0.0)))
-    return {"joint": gripper.joints[driven], "opens_along": [0.0, side, 0.0], "shapes": [_describe_shape(shape)]}
+    return {"joint": joint, "opens_along": [0.0, side, 0.0], "shapes": [_describe_shape(shape)]}
 
 
 def _describe_travel(gripper: Gripper) -> dict[str, Any]:

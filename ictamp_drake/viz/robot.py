@@ -27,9 +27,8 @@ def open_robot(robot: Robot, port: int | None = None) -> Meshcat:
     """
     builder = RobotDiagramBuilder(time_step=0.0)
     plant = builder.plant()
-    bodies = robot.add_to(plant, RigidTransform(), "visible")
+    bodies = robot.add_alone(plant, "visible")
     flange = find_frame(plant, bodies.instances[0], robot.spec.flange, "flange")
-    plant.Finalize()
     meshcat = start_meshcat(port)
     parameters = MeshcatVisualizerParams(role=Role.kIllustration, prefix=PREFIX)
     MeshcatVisualizer.AddToBuilder(builder.builder(), builder.scene_graph(), meshcat, parameters)

@@ -6,8 +6,8 @@ import numpy as np
 
 from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.errors import Code, IctampError
+from ictamp_drake.robots.alone import Alone
 from ictamp_drake.robots.bodies import RobotBodies
-from ictamp_drake.robots.checking.alone import Alone
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.robot import Robot
 

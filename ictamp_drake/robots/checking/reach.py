@@ -6,8 +6,8 @@ import numpy as np
 
 from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.types import FloatArray
+from ictamp_drake.robots.alone import Alone
 from ictamp_drake.robots.analytic import AnalyticKinematics
-from ictamp_drake.robots.checking.alone import Alone
 from ictamp_drake.robots.choice import free_angles, try_poses
 from ictamp_drake.robots.panda import PandaKinematics
 from ictamp_drake.robots.robot import Robot

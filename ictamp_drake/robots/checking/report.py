@@ -5,14 +5,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydrake.math import RigidTransform
 from pydrake.planning import RobotDiagramBuilder
 
 from ictamp_drake.core.errors import IctampError
 from ictamp_drake.core.reading import in_file, read_text
-from ictamp_drake.models.model_text import Shapes
-from ictamp_drake.robots.bodies import RobotBodies, refuse_unconnected
-from ictamp_drake.robots.checking.alone import Alone
+from ictamp_drake.robots.alone import Alone
 from ictamp_drake.robots.checking.arm import check_contacts, check_direction, check_limits, check_shapes
 from ictamp_drake.robots.checking.file import decode_all
 from ictamp_drake.robots.checking.gripper import check_gripper
@@ -87,7 +84,7 @@ def _check_built(robot: Robot, *, has_shapes: bool) -> Iterator[IctampError]:
         robot: Robot.
         has_shapes: Whether its shapes for contact can be read.
     """
-    bodies = _build(robot, "solid" if has_shapes else "visible")
+    bodies = robot.add_alone(RobotDiagramBuilder(time_step=0.0).plant(), "solid" if has_shapes else "visible")
     wrong = list(check_joints(robot, bodies))
     yield from wrong
     yield from check_limits(robot)
@@ -98,14 +95,3 @@ def _check_built(robot: Robot, *, has_shapes: bool) -> Iterator[IctampError]:
         yield from check_direction(robot)
         with suppress(IctampError):  # without measures of the gripper, nothing is known about contacts
             yield from check_contacts(robot, Alone(robot), robot.gripper)
-
-
-def _build(robot: Robot, shapes: Shapes) -> RobotBodies:
-    """Return the robot with some of its shapes, in a finalized plant whose joints all move freely."""
-    plant = RobotDiagramBuilder(time_step=0.0).plant()
-    with refuse_unconnected():
-        bodies = robot.add_to(plant, RigidTransform(), shapes)
-        for constraint in plant.GetConstraintIds():
-            plant.RemoveConstraint(constraint)
-        plant.Finalize()
-    return bodies

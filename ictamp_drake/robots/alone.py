@@ -1,5 +1,7 @@
 """A robot alone in the world, for questions of contact with itself and with a table."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from pydrake.geometry import Box
 from pydrake.math import RigidTransform
@@ -8,7 +10,9 @@ from pydrake.planning import RobotDiagramBuilder
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.contact import BODY
 from ictamp_drake.robots.bodies import RobotBodies, properties_of
-from ictamp_drake.robots.robot import Robot
+
+if TYPE_CHECKING:
+    from ictamp_drake.robots.robot import Robot
 
 _TABLE = 3.0
 """Side of the table's top [m]."""
@@ -23,9 +27,10 @@ class Alone:
     Args:
         robot: Robot.
         height: Height of the top of a large table [m]; by default there is none.
+        filtered: Whether links that always touch each other do not count.
     """
 
-    def __init__(self, robot: Robot, height: float | None = None) -> None:
+    def __init__(self, robot: "Robot", height: float | None = None, *, filtered: bool = True) -> None:
         builder = RobotDiagramBuilder(time_step=0.0)
         self._plant = plant = builder.plant()
         self.bodies: RobotBodies = robot.add_to(plant, RigidTransform(), "solid")
@@ -34,7 +39,8 @@ class Alone:
             shape = Box(_TABLE, _TABLE, _TABLE)
             plant.RegisterCollisionGeometry(plant.world_body(), X_WT, shape, "table", properties_of(BODY))
         plant.Finalize()
-        robot.filter(self.bodies, builder.scene_graph())
+        if filtered:
+            robot.filter(self.bodies, builder.scene_graph())
         self._diagram = builder.Build()
         self._root = self._diagram.CreateDefaultContext()
         self._context = plant.GetMyMutableContextFromRoot(self._root)
