@@ -33,7 +33,7 @@ def dependencies() -> dict[str, str]:
     """Return the version of each dependency of the package in constraints.txt, by name."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    wanted = [*project["dependencies"], *extras["ik"], *extras["ray"], *extras["ur5e"]]
+    wanted = [*project["dependencies"], *extras["ik"], *extras["ray"], *extras["robots"]]
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
     pinned = {name.lower().replace("_", "-"): version for name, _, version in (line.partition("==") for line in lines)}
     names = [re.split(r"[^\w-]", line)[0].lower() for line in wanted]
