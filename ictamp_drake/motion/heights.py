@@ -50,7 +50,7 @@ def _distance_from_above(p: FloatArray, p0: FloatArray, p1: FloatArray) -> float
 
 def reach_below_grasp(world: World, c: Configuration, X_WG: RigidTransform) -> float:
     """Distance from G down to the lowest point of hand and held box in c, where the hand is at X_WG [m]."""
-    tips = world.robot.gripper.hand.pad_half_height
+    tips = world.robot.gripper.hand.depth
     if c.held is None:
         return tips
     X_WO = to_transform(c.poses[c.held])

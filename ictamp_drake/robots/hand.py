@@ -86,9 +86,14 @@ class Hand:
         return hypot(self.pad_half_length - CONTACT_RADIUS, self.pad_half_height - CONTACT_RADIUS)
 
     @property
+    def depth(self) -> float:
+        """Distance from G down to the lowest point of a finger."""
+        return max(self.pad_half_height, -self.finger.bottom)
+
+    @property
     def tip(self) -> float:
         """Distance below G beyond which no part of a finger reaches, with 2.5 mm to spare."""
-        return max(self.pad_half_height, -self.finger.bottom) + 0.0025
+        return self.depth + 0.0025
 
     @property
     def lowest_grasp(self) -> float:

@@ -157,11 +157,12 @@ def _bound_shapes(robot: "Robot", moves: Moves) -> tuple[list[FloatArray], list[
     inspector = diagram.scene_graph().model_inspector()
     context = plant.GetMyContextFromRoot(diagram.CreateDefaultContext())
     q = np.zeros(plant.num_positions())
-    q[bodies.gripper] = moves.places[-1]
+    opening = robot.spec.gripper.opening
+    q[bodies.gripper] = [np.interp(opening, moves.widths, column) for column in moves.places.T]
     plant.SetPositions(context, q)
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1)
     found: tuple[list[FloatArray], list[FloatArray]] = ([], [])
-    X_PG = RigidTransform([0.0, 0.0, -float(moves.rises[-1])])
+    X_PG = RigidTransform([0.0, 0.0, -float(np.interp(opening, moves.widths, moves.rises))])
     for body in bodies.turning:
         X_PB = X_PG @ plant.CalcRelativeTransform(context, bodies.grasp, body.body_frame())
         for geometry in plant.GetCollisionGeometriesForBody(body):

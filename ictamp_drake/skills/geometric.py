@@ -123,7 +123,8 @@ def _list_hand_disks(gripper: Gripper, width: float) -> list[_Disk]:
     """List disks that cover a hand whose fingers just miss something of that width [m]."""
     finger = gripper.hand.finger
     side = min(width / 2 + CLEARANCES[-1], gripper.opening / 2) + finger.half_width
-    fingers = [_Disk(np.array([0.0, y, -finger.bottom]), finger.half_width) for y in (-side, side)]
+    radius = max(finger.half_length, finger.half_width)
+    fingers = [_Disk(np.array([0.0, y, -finger.bottom]), radius) for y in (-side, side)]
     upper = [
         _Disk(np.array([0.0, y, -row.bottom]), row.radius)
         for row in gripper.hand.upper

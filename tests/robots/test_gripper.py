@@ -1,4 +1,4 @@
-"""Fingers that close around something beside the middle of the hand, whatever the order of their joints."""
+"""Fingers that close around something beside the middle of the hand, and the outlines of fingers."""
 
 from pathlib import Path
 
@@ -35,3 +35,21 @@ def test_no_finger_opens_farther_than_it_can(tmp_path: Path) -> None:
 def test_a_finger_that_follows_the_other_one_stays_with_it(tmp_path: Path, middle: float) -> None:
     gripper = find_robot(str(small.write_coupled(tmp_path))).gripper
     np.testing.assert_allclose(gripper.enclose(0.04, middle), 0.02)
+
+
+def test_the_outline_of_a_finger_is_that_at_the_opening_of_the_file(tmp_path: Path) -> None:
+    content = small.content()
+    widths = []
+    for opening in (0.08, 0.04):
+        content["gripper"]["opening"] = opening
+        widths.append(find_robot(str(small.write(tmp_path, content))).gripper.hand.finger.half_width)
+    assert widths == pytest.approx([0.006, 0.006])
+
+
+def test_fingers_may_reach_below_their_pads(tmp_path: Path) -> None:
+    content = small.content()
+    finger = [{"kind": "box", "size": [0.02, 0.012, 0.08], "position": [0, 0, 0.05]}]
+    content["gripper"]["collision"] = {f"{name}_finger": finger for name in ("left", "right")}
+    hand = find_robot(str(small.write(tmp_path, content))).gripper.hand
+    assert hand.depth == pytest.approx(0.04)
+    assert hand.tip > hand.depth > hand.pad_half_height
