@@ -39,6 +39,8 @@ class Alone:
             shape = Box(_TABLE, _TABLE, _TABLE)
             plant.RegisterCollisionGeometry(plant.world_body(), X_WT, shape, "table", properties_of(BODY))
         plant.Finalize()
+        names = {**self.bodies.names, "world": plant.world_body()}
+        self._names = {body.index(): name for name, body in names.items()}
         if filtered:
             robot.filter(self.bodies, builder.scene_graph())
         self._diagram = builder.Build()
@@ -62,7 +64,7 @@ class Alone:
         return sorted({(min(pair), max(pair)) for pair in names})
 
     def _name(self, geometry: object) -> str:
-        return str(self._plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry)).name())
+        return self._names[self._plant.GetBodyFromFrameId(self._inspector.GetFrameId(geometry)).index()]
 
     def _set(self, q: FloatArray, fingers: FloatArray) -> None:
         places = np.zeros(self._plant.num_positions())

@@ -1,6 +1,6 @@
 """A robot in a Drake plant."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -60,6 +60,11 @@ class RobotBodies:
         return tuple(self.plant.get_body(index) for index in indices)
 
     @cached_property
+    def names(self) -> Mapping[str, RigidBody]:
+        """All bodies of the robot by the names of `name_links`."""
+        return name_links(self.links)
+
+    @cached_property
     def arm(self) -> IntArray:
         """Places of the arm's joints in the positions of the finalized plant, shape (n,)."""
         return np.array([joint.position_start() for joint in self.arm_joints], dtype=np.intp)
@@ -77,10 +82,7 @@ class RobotBodies:
 
     @cached_property
     def turning(self) -> tuple[RigidBody, ...]:
-        """Links that turn with the last joint of the arm: the hand, its fingers, and what holds them.
-
-        Links of arm and gripper may have the same names.
-        """
+        """Links that turn with the last joint of the arm: the hand, its fingers, and what holds them."""
         moved = self.plant.GetBodiesKinematicallyAffectedBy([self.arm_joints[-1].index()])
         return tuple(map(self.plant.get_body, moved))
 
@@ -110,6 +112,14 @@ def refuse_unconnected() -> Iterator[None]:
         problem = f"Drake cannot build the robot: {str(error).strip().partition(chr(10))[0]}"
         advice = "the model must not fix the robot to the world: the scene does"
         raise IctampError(Code.CONFLICT, problem, field="base", advice=advice) from error
+
+
+def name_links(links: Iterable[RigidBody]) -> dict[str, RigidBody]:
+    """Return links of the arm and then of the gripper by name; gripper::NAME is a link whose name the arm has, too."""
+    found: dict[str, RigidBody] = {}
+    for body in links:
+        found[f"gripper::{body.name()}" if body.name() in found else body.name()] = body
+    return found
 
 
 def find_frame(plant: MultibodyPlant, instance: ModelInstanceIndex, name: str, field: str) -> Frame:

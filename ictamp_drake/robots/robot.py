@@ -291,17 +291,15 @@ class Robot:
 
     def filter(self, bodies: RobotBodies, scene_graph: SceneGraph) -> None:
         """Stop testing pairs of links that always touch, in the plant of the bodies, which is finalized."""
-        plant = bodies.plant
-        shapes: dict[str, GeometrySet] = {}
-        for body in bodies.links:
-            shapes.setdefault(body.name(), GeometrySet()).Add(plant.GetCollisionGeometriesForBody(body))
+        plant, names = bodies.plant, bodies.names
         manager = scene_graph.collision_filter_manager()
-        for number, (first, second) in enumerate(self.touching):
-            for name in (first, second):
-                if name not in shapes:
+        for number, pair in enumerate(self.touching):
+            for name in pair:
+                if name not in names:
                     problem, field = "there is no body {value}", f"touching[{number}]"
-                    raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=shapes)
-            manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes[first], shapes[second]))
+                    raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=names)
+            first, second = (GeometrySet(plant.GetCollisionGeometriesForBody(names[name])) for name in pair)
+            manager.Apply(CollisionFilterDeclaration().ExcludeBetween(first, second))
         if self.gripper.shares is None:  # the bars of a linkage overlap
             moving = [shape for body in bodies.moving for shape in plant.GetCollisionGeometriesForBody(body)]
             base = plant.GetCollisionGeometriesForBody(bodies.hand)
@@ -309,7 +307,10 @@ class Robot:
 
     @cached_property
     def touching(self) -> tuple[tuple[str, str], ...]:
-        """Pairs of links that are not tested for contact with each other: those of the file, or found by sampling."""
+        """Pairs of links that are not tested for contact with each other: those of the file, or found by sampling.
+
+        Their names are those of `bodies.name_links`.
+        """
         return find_touching(self) if self.spec.touching is None else self.spec.touching
 
 

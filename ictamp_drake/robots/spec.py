@@ -209,7 +209,7 @@ class RobotSpec:
         kinematics: Kind of inverse kinematics, see `robots.choice`.
         collision: Collision shapes by body, in place of those of the model.
         touching: Pairs of bodies that always touch, or never can, and are not tested. If None, pairs that touch in all
-            of many random postures are not tested.
+            of many random postures are not tested. A body of the gripper whose name the arm has, too, is gripper::NAME.
         gripper: Gripper.
     """
 

@@ -7,7 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.robots.bodies import find_frame, find_joint
+from ictamp_drake.robots.bodies import find_frame, find_joint, name_links
 from ictamp_drake.robots.checking.models import Models
 from ictamp_drake.robots.model_files import add_model
 from ictamp_drake.robots.spec import RobotSpec
@@ -53,7 +53,8 @@ def _refusals(calls: Iterable[Callable[[], object]]) -> Iterator[IctampError]:
 def _check_touching(
     spec: RobotSpec, plant: MultibodyPlant, instances: tuple[ModelInstanceIndex, ...]
 ) -> Iterator[IctampError]:
-    names = {plant.get_body(index).name(): None for each in instances for index in plant.GetBodyIndices(each)}
+    indices = [index for each in dict.fromkeys(instances) for index in plant.GetBodyIndices(each)]
+    names = name_links(map(plant.get_body, indices))
     for number, pair in enumerate(spec.touching or ()):
         for name in pair:
             if name not in names:
