@@ -16,7 +16,7 @@ FINITE = sys.float_info.max
 MAX_NAME = 100
 """Maximum length of the name of a box or a support."""
 
-_MODEL_NAMES = ("world", "panda", "WorldModelInstance", "DefaultModelInstance")
+_MODEL_NAMES = ("world", "robot", "WorldModelInstance", "DefaultModelInstance")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _WORDS = {2: "two", 3: "three", 7: "seven"}
 _PDDL_WORDS = frozenset({"and", "or", "not", "imply", "when", "forall", "exists", "either", "object", "define"})

@@ -76,7 +76,7 @@ MISTAKES = {
     "name of digits": ("  red_box:", "  12:", Code.BAD_NAME, "boxes", 5),
     "name on": ("  red_box:", "  on:", Code.BAD_NAME, "boxes", 5),
     "word of PDDL": ("  red_box:", "  and:", Code.BAD_NAME, "boxes.and", 6),
-    "name of the robot": ("  red_box:", "  panda:", Code.BAD_NAME, "boxes.panda", 6),
+    "name of the robot": ("  red_box:", "  robot:", Code.BAD_NAME, "boxes.robot", 6),
     "unknown held box": ("seed: 0", "start: {held: blue_box}", Code.UNKNOWN_CHOICE, "start.held", 8),
     "syntax": ("seed: 0", "seed: [0", Code.NOT_YAML, "", 9),
     "bad character": ("seed: 0", "seed: \x07", Code.NOT_YAML, "", None),

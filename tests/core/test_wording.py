@@ -115,7 +115,7 @@ SCENES: dict[str, list[tuple[str, str]]] = {
     "a key twice": [("mass: 0.1", "mass: 0.1, mass: 0.2")],
     "a name twice": [("  red_box:", "  Rack:")],
     "a name that is a word of PDDL": [("  red_box:", "  and:")],
-    "a name of the robot": [("  red_box:", "  panda:")],
+    "a name of the robot": [("  red_box:", "  robot:")],
     "a name with a space": [("  red_box:", "  red box:")],
     "a name that YAML takes for a truth value": [("  red_box:", "  on:")],
     "no boxes": [(RED_BOX, "  {}")],
