@@ -27,7 +27,8 @@ Parameter = FloatArray
 """k, the parameter of a skill: (x, y, z, yaw) [m, m, m, rad], shape (4,).
 
 Pick: pose of the grasp frame G in the object's upright frame U. U's origin is the box's center, and its z axis is the
-box axis nearest to the world's vertical, pointing up. G's z axis points down, and yaw turns G about the vertical.
+box axis nearest to the world's vertical, pointing up. G's z axis points down, and yaw turns G about the vertical. Where
+the pads are not at G, as those of a linkage, the middle between the closed pads takes the place of G's origin.
 Place: pose of the bottom center of the held object in the receptacle's frame T, whose origin is the center of its top
 face. Yaw turns the object's upright frame relative to T.
 """

@@ -116,7 +116,9 @@ class GeometricSampler:
         beside = neighbours(self._world, c, {box, place}, -np.inf)
         opening = needed_opening(self._world, c, box, X_WG)
         hand = _find_lowest(placed, _list_hand_disks(self._gripper, opening), around)
-        return k[placed[:, 2, 3] >= np.maximum(hand, _find_lowest(placed, _list_box_disks(X_GB, half), beside))]
+        height = placed[:, 2, 3]
+        has_room = height >= _find_lowest(placed, _list_box_disks(X_GB, half), beside)
+        return k[has_room & (height - self._gripper.rise(opening) >= hand)]
 
 
 def _list_hand_disks(gripper: Gripper, width: float) -> list[_Disk]:

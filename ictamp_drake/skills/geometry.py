@@ -20,7 +20,7 @@ def grasp_pose(world: World, c: Configuration, box: str, k: Parameter) -> RigidT
 
 
 def pads_in_hand(gripper: Gripper, width: float) -> RigidTransform:
-    """X_GP of the frame between the pads of a linkage, which travel along z as they close; the identity for others."""
+    """X_GP of the frame P between the pads: as G, but in their middle, which travels along z as a linkage closes."""
     return RigidTransform([0.0, 0.0, gripper.rise(width)])
 
 
@@ -76,7 +76,7 @@ def hand_poses(world: World, c: Configuration, action: Action, k: FloatArray, X_
     if action.name == "pick":
         grasped: FloatArray = world.upright_frame(c, box).X_WU.GetAsMatrix4() @ grasps(k)
         gripper = world.robot.gripper
-        if gripper.shares is None:
+        if gripper.rises.any():
             rises = np.array([gripper.rise(grip_width(world, c, box, yaw)) for yaw in k[:, 3]])
             grasped[:, :3, 3] -= grasped[:, :3, 2] * rises[:, None]
         return grasped

@@ -1,5 +1,7 @@
 """From k to the hand's pose and back, and the meaning of k when objects are elsewhere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,6 +24,7 @@ from ictamp_drake.skills.geometry import (
 )
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
+from tests.robots import small
 from tests.world.scenes import RACK_TOP, SIZES, arrange, far_boxes, hold_box, pose, scene
 
 lengths, turns = st.floats(-0.1, 0.1), st.floats(-3.1, 3.1)
@@ -133,6 +136,22 @@ def test_raising_goes_straight_up(yaw: float, rise: float) -> None:
     X = RigidTransform(RotationMatrix.MakeZRotation(yaw), [1.0, 2.0, 3.0])
     np.testing.assert_allclose(raise_pose(X, rise).translation(), [1.0, 2.0, 3.0 + rise])
     assert yaw_of(raise_pose(X, rise).rotation()) == pytest.approx(yaw)
+
+
+@pytest.fixture(scope="module")
+def offset(tmp_path_factory: pytest.TempPathFactory) -> World:
+    """A hand of two sliding fingers whose grasp frame is 5 mm above the middle of the pads."""
+    content = small.content()
+    content["gripper"]["grasp"]["position"] = [0, 0, 0.09]
+    return World(replace(scene(far_boxes()), robot=str(small.write(tmp_path_factory.mktemp("offset"), content))))
+
+
+def test_k_is_the_middle_of_the_pads(offset: World) -> None:
+    c, k = offset.initial_configuration(), np.array([[0.01, 0.0, 0.02, 0.3]])
+    X_UG = offset.upright_frame(c, "blue_box").X_WU.inverse() @ grasp_pose(offset, c, "blue_box", k[0])
+    np.testing.assert_allclose(X_UG.translation(), [0.01, 0.0, 0.025], atol=1e-9)
+    (many,) = hand_poses(offset, c, Action("pick", ("blue_box", "table")), k, RigidTransform())
+    np.testing.assert_allclose(many, grasp_pose(offset, c, "blue_box", k[0]).GetAsMatrix4(), atol=1e-12)
 
 
 @given(k=st.lists(parameters, min_size=1, max_size=3).map(np.array), receptacle=st.sampled_from(["rack", "cyan_box"]))
