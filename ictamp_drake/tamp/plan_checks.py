@@ -242,7 +242,7 @@ def check_derived(given: object, derived: object, field: str, *, complete: bool)
 
 
 def _is_same(given: Any, derived: Any) -> bool:
-    if isinstance(derived, bool) or not isinstance(derived, int | float):
+    if isinstance(derived, bool) or not isinstance(derived, int | float) or np.isinf(derived):
         return type(given) is type(derived) and bool(given == derived)
     try:
         return not isinstance(given, bool) and abs(float(given) - derived) <= NUMBER_TOLERANCE

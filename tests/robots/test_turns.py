@@ -1,15 +1,19 @@
 """Joints that can turn more than once: postures are turned to where the arm is, and keep away from the limits."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.math import RigidTransform
 
+import ictamp_drake as ict
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
 from ictamp_drake.robots.chain import is_within, turn_near
 from ictamp_drake.robots.robot import find_robot
+from ictamp_drake.scenes.spec import BoxSpec, SupportSpec
 from tests.robots import small
 from tests.robots.arms import PANDA, SIX
 
@@ -75,3 +79,15 @@ def test_a_line_across_half_a_turn_goes_on(arm: ArmKinematics) -> None:
     again = arm.solve(X_WG, path[-1])
     assert again is not None
     np.testing.assert_allclose(again, path[-1], atol=1e-3)
+
+
+def test_a_plan_of_an_arm_without_limits_is_read_back(tmp_path: Path) -> None:
+    model = small.urdf().replace('type="revolute"', 'type="continuous"', 1).replace('lower="-2.9" upper="2.9" ', "", 1)
+    table = SupportSpec("table", (0.35, 0.0, 0.0), size=(0.5, 0.7, 0.05))
+    box = BoxSpec((0.04, 0.04, 0.06), (0.35, 0.15, 0.03))
+    robot = str(small.write(tmp_path, model=model))
+    scene = ict.Scene(robot=robot, supports={"table": table}, boxes={"cup": box}, goal="(on cup table)")
+    plan = ict.solve(ict.load(scene)).plan
+    assert plan is not None
+    plan.save(tmp_path / "plan.yaml")
+    assert ict.Plan.load(tmp_path / "plan.yaml").c == plan.c
