@@ -38,7 +38,7 @@ class Moves(NamedTuple):
 
 
 def measure_fingers(bodies: RobotBodies, spec: GripperSpec, mimics: Mapping[str, Mimic]) -> Moves:
-    """Measure how the fingers move between the limits of the driven joints, up to the opening of the file.
+    """Measure how the fingers move between the limits of the driven joints.
 
     Args:
         bodies: Robot in a plant whose joints move freely.
@@ -48,45 +48,48 @@ def measure_fingers(bodies: RobotBodies, spec: GripperSpec, mimics: Mapping[str,
     Raises:
         IctampError: The fingers do not open as far as the file says, do not close, or a driven joint has no limits.
     """
-    names = [joint.name() for joint in bodies.finger_joints]
-    driven = [names.index(joint.name()) for joint in bodies.driven]
-    ends = np.array([[joint.position_lower_limit(), joint.position_upper_limit()] for joint in bodies.driven])
-    if not np.all(np.isfinite(ends)):
-        number = int(np.argmin(np.isfinite(ends).all(axis=1)))
-        problem = "expected a joint with position limits, got {value}"
-        raise IctampError(Code.OUT_OF_RANGE, problem, field=f"gripper.joints[{number}]", value=spec.joints[number])
-    measure = _Fingers(bodies, names, driven, mimics)
-    for number, (lower, upper) in enumerate(ends):
-        low, high = np.tile(ends.mean(axis=1), (2, 1))
-        low[number], high[number] = lower, upper
-        if measure.width(low) > measure.width(high):  # its lower limit is that of the open hand
-            ends[number] = upper, lower
+    fingers = _Fingers(bodies, mimics)
+    ends = _find_ends(bodies, spec, fingers)
     shares = np.linspace(0.0, 1.0, _STEPS)[:, None]
-    driven_places = (1 - shares) * ends[:, 0] + shares * ends[:, 1]
-    pads = np.array([measure.pads(each) for each in driven_places])
+    driven = (1 - shares) * ends[:, 0] + shares * ends[:, 1]
+    pads = np.array([fingers.pads(each) for each in driven])
     widths = pads[:, 0, 1] - pads[:, 1, 1]
-    if np.any(np.diff(widths) <= 0):
+    if np.any(np.diff(widths) <= 0):  # a hand that opens again beyond the place where it is closed
         start = int(np.argmin(widths))
-        driven_places, pads, widths = driven_places[start:], pads[start:], widths[start:]
+        driven, pads, widths = driven[start:], pads[start:], widths[start:]
     if len(widths) < 2 or widths[-1] < spec.opening - 1e-6:
         problem = f"expected at most the opening of the model, {max(widths):.4g} m, got {{value}}"
         raise IctampError(Code.OUT_OF_RANGE, problem, field="gripper.opening", value=spec.opening)
     if widths[0] > _MEETING:
         problem = f"the pads do not meet: they are {1000 * widths[0]:.1f} mm apart when the hand is closed"
         raise IctampError(Code.CONFLICT, problem, field="gripper.pads")
-    pulls = []
-    for each in driven_places:
-        steps = [(measure.pads(each + d) - measure.pads(each - d)) / (2 * _TINY) for d in _TINY * np.eye(len(each))]
-        pulls.append([step[:, 1] * [1, -1] for step in steps])
-    places = np.array([measure.places(each) for each in driven_places])
+    places = np.array([fingers.places(each) for each in driven])
+    pulls = np.array([fingers.pulls(each) for each in driven])
     rises = np.round(pads[:, :, 2].mean(axis=1), 9) + 0.0
     return Moves(np.maximum(widths, 0.0), places, rises, np.round(pulls, 6))
+
+
+def _find_ends(bodies: RobotBodies, spec: GripperSpec, fingers: "_Fingers") -> FloatArray:
+    """Return the positions of the driven joints in the closed and in the open hand, shape (driven, 2) [rad or m]."""
+    ends = np.array([[joint.position_lower_limit(), joint.position_upper_limit()] for joint in bodies.driven])
+    if not np.all(np.isfinite(ends)):
+        number = int(np.argmin(np.isfinite(ends).all(axis=1)))
+        problem = "expected a joint with position limits, got {value}"
+        raise IctampError(Code.OUT_OF_RANGE, problem, field=f"gripper.joints[{number}]", value=spec.joints[number])
+    for number, (lower, upper) in enumerate(ends):
+        low, high = np.tile(ends.mean(axis=1), (2, 1))
+        low[number], high[number] = lower, upper
+        if fingers.width(low) > fingers.width(high):  # its lower limit is that of the open hand
+            ends[number] = upper, lower
+    return ends
 
 
 class _Fingers:
     """Places of the pads in G at positions of the driven joints."""
 
-    def __init__(self, bodies: RobotBodies, names: list[str], driven: list[int], mimics: Mapping[str, Mimic]) -> None:
+    def __init__(self, bodies: RobotBodies, mimics: Mapping[str, Mimic]) -> None:
+        names = [joint.name() for joint in bodies.finger_joints]
+        driven = [names.index(joint.name()) for joint in bodies.driven]
         self._bodies, self._names, self._driven = bodies, names, driven
         self._followers = [
             (number, names.index(mimic.leader), mimic)
@@ -112,6 +115,11 @@ class _Fingers:
         grasp = self._bodies.grasp
         poses = [plant.CalcRelativeTransform(self._context, grasp, face) for face in self._bodies.faces]
         return np.array([X.translation() for X in poses])
+
+    def pulls(self, driven: FloatArray) -> FloatArray:
+        """Change of each pad's distance from the other by each driven joint, shape (driven,) -> (driven, 2)."""
+        steps = [(self.pads(driven + d) - self.pads(driven - d)) / (2 * _TINY) for d in _TINY * np.eye(len(driven))]
+        return np.array([step[:, 1] * [1, -1] for step in steps])
 
     def width(self, driven: FloatArray) -> float:
         """Distance between the pads along G's y axis [m]."""

@@ -206,36 +206,26 @@ class Robot:
         others move freely. Call `filter` once it is finalized.
         """
         spec, gripper = self.spec, self.spec.gripper
-        arm_without = frozenset(spec.collision) | (frozenset() if self.gripper_model else frozenset(gripper.collision))
-        arm = held = add_model(plant, self.model, shapes, arm_without, "model")
-        base = find_frame(plant, arm, spec.base, "base")
-        plant.WeldFrames(plant.world_frame(), base, X_WB)
-        if self.gripper_model is not None and gripper.mount is not None:
-            field = "gripper.model"
-            held = add_model(plant, self.gripper_model, shapes, frozenset(gripper.collision), field)
-            flange = find_frame(plant, arm, spec.flange, "flange")
-            mount = find_frame(plant, held, gripper.mount.frame, "gripper.mount.frame")
-            plant.WeldFrames(flange, mount, pose_of(gripper.mount))
+        arm, held = self._add_models(plant, X_WB, shapes)
         arm_joints = [find_joint(plant, arm, name, f"joints[{i}]") for i, name in enumerate(spec.joints)]
         driven = [find_joint(plant, held, name, f"gripper.joints[{i}]") for i, name in enumerate(gripper.joints)]
         instances = tuple(dict.fromkeys((arm, held)))
         self._actuate(plant, instances, [*arm_joints, *driven])
         pads = {"first": gripper.pads.first, "second": gripper.pads.second}
-        faces = [
-            add_frame(
-                plant, f"{name}_pad_face", find_frame(plant, held, pad.frame, f"gripper.pads.{name}"), pose_of(pad)
-            )
-            for name, pad in pads.items()
-        ]
+        parents = [find_frame(plant, held, pad.frame, f"gripper.pads.{name}") for name, pad in pads.items()]
+        first, second = (
+            add_frame(plant, f"{name}_pad_face", parent, pose_of(pad))
+            for (name, pad), parent in zip(pads.items(), parents, strict=True)
+        )
         grasp = find_frame(plant, held, gripper.grasp.frame, "gripper.grasp.frame")
         bodies = RobotBodies(
             plant=plant,
             instances=instances,
-            base=base,
+            base=find_frame(plant, arm, spec.base, "base"),
             grasp=add_frame(plant, "grasp_frame", grasp, pose_of(gripper.grasp)),
-            faces=(faces[0], faces[1]),
+            faces=(first, second),
             hand=find_frame(plant, held, gripper.base, "gripper.base").body(),
-            fingers=(faces[0].body(), faces[1].body()),
+            fingers=(first.body(), second.body()),
             arm_joints=tuple(arm_joints),
             driven=tuple(driven),
         )
@@ -248,6 +238,25 @@ class Robot:
         if plant.geometry_source_is_registered() and shapes != "visible":
             self._add_shapes(bodies, points=shapes == "contact")
         return bodies
+
+    def _add_models(
+        self, plant: MultibodyPlant, X_WB: RigidTransform, shapes: Shapes
+    ) -> tuple[ModelInstanceIndex, ModelInstanceIndex]:
+        """Add the models, fix the base and mount the gripper; return the instances of arm and gripper, maybe the same.
+
+        See `add_to`.
+        """
+        spec, gripper = self.spec, self.spec.gripper
+        without = frozenset(spec.collision) | (frozenset() if self.gripper_model else frozenset(gripper.collision))
+        arm = add_model(plant, self.model, shapes, without, "model")
+        plant.WeldFrames(plant.world_frame(), find_frame(plant, arm, spec.base, "base"), X_WB)
+        if self.gripper_model is None or gripper.mount is None:
+            return arm, arm
+        held = add_model(plant, self.gripper_model, shapes, frozenset(gripper.collision), "gripper.model")
+        flange = find_frame(plant, arm, spec.flange, "flange")
+        mount = find_frame(plant, held, gripper.mount.frame, "gripper.mount.frame")
+        plant.WeldFrames(flange, mount, pose_of(gripper.mount))
+        return arm, held
 
     def check(self) -> None:
         """Raise IctampError unless the model and the file fit together. `robots.checking` finds more."""
