@@ -1,7 +1,6 @@
 """An arm with a gripper, built from its file. Everything that must know the robot of a scene asks it here."""
 
 from collections.abc import Hashable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -31,6 +30,7 @@ from ictamp_drake.robots.bodies import (
 )
 from ictamp_drake.robots.chain import Chain, read_chain
 from ictamp_drake.robots.choice import create_inverse_kinematics
+from ictamp_drake.robots.files import stamp_of
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
 from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_efforts, read_mimics
@@ -339,7 +339,7 @@ def find_robot(name: str = DEFAULT) -> Robot:
     spec, file = read_robot(name), find_file(name)
     with in_file(file):
         models = _find_models(spec, file.parent.resolve())
-        return _build(name, spec, models, tuple(each and _stamp(each) for each in models))
+        return _build(name, spec, models, tuple(each and stamp_of(each) for each in models))
 
 
 @lru_cache(maxsize=32)
@@ -347,14 +347,6 @@ def _find_models(spec: RobotSpec, folder: Path) -> tuple[Path, Path | None]:
     """Return the files of the models of a robot file in a folder; see `Robot`."""
     gripper = spec.gripper.model
     return find_model(spec.model, folder, "model"), find_model(gripper, folder, "gripper.model") if gripper else None
-
-
-def _stamp(path: Path) -> tuple[int, int] | None:
-    """Return what changes when a file does; None if it cannot be read, of which `_build` tells."""
-    with suppress(OSError):
-        status = path.stat()
-        return status.st_mtime_ns, status.st_size
-    return None
 
 
 @lru_cache(maxsize=32)
