@@ -1,6 +1,7 @@
 """Each robot that ships stacks boxes on a rack: solved, saved, loaded elsewhere, executed again, and looked at."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -92,9 +93,7 @@ def test_held_boxes_stay_in_the_hand(case: Case) -> None:
         assert placed.recording is not None
         width = gripper.width(picked.c.fingers)
         frames = [frame.c for frame in physics.frames(placed.recording)]
-        last = next(
-            c for c, after in zip(frames, frames[1:], strict=False) if gripper.width(after.fingers) > width + 0.001
-        )
+        last = next(c for c, after in pairwise(frames) if gripper.width(after.fingers) > width + 0.001)
         moved = pose_in_hand(world, picked.c, picked.c.held).inverse() @ pose_in_hand(world, last, picked.c.held)
         assert np.linalg.norm(moved.translation()) < FARTHEST
 
