@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from pydrake.math import RigidTransform
 
 import ictamp_drake as ict
@@ -19,6 +20,7 @@ from ictamp_drake.world.config import PhysicsConfig
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import ROBOT, World
 from tests.refusals import refusal
+from tests.robots import small
 
 ROBOTS = (DEFAULT, "iiwa14_wsg50", "ur5e_2f85")
 SCENE = ict.Scene(
@@ -118,3 +120,31 @@ def test_a_plan_takes_its_robot_file_along(tmp_path: Path) -> None:
     (tmp_path / "own.yaml").unlink()
     with refusal(Code.NOT_READABLE, file=tmp_path / "own.yaml"):
         ict.Plan.load(tmp_path / "plan.yaml")
+
+
+@pytest.mark.parametrize(
+    ("addition", "field", "code"),
+    [
+        ("touching: [[panda_link0, tail]]", "touching[0]", Code.UNKNOWN_CHOICE),
+        ("collision: {tail: []}", "collision.tail", Code.UNKNOWN_CHOICE),
+        ("kinematics: closed-form", "kinematics", Code.CONFLICT),
+        ("home: [9, 0, 1.6, 0, 1, 0]", "home[0]", Code.OUT_OF_RANGE),
+    ],
+)
+def test_a_mistake_in_a_robot_file_is_told_with_that_file(
+    tmp_path: Path, addition: str, field: str, code: Code
+) -> None:
+    key = addition.partition(":")[0]
+    file = small.write(tmp_path, {**small.content(), key: yaml.safe_load(addition)[key]})
+    with refusal(code, field, file=file):
+        ict.solve(ict.load(SCENE, robot=str(file)), max_steps=1)
+
+
+def test_a_hand_weaker_than_the_usual_grip_uses_all_its_force(tmp_path: Path) -> None:
+    content = {**yaml.safe_load(find_file(DEFAULT).read_text())}
+    content["gripper"]["force"] = 10
+    (tmp_path / "weak.yaml").write_text(yaml.safe_dump(content))
+    task = ict.load(replace(SCENE, goal="(in-hand red_box)"), robot=str(tmp_path / "weak.yaml"))
+    plan = ict.solve(task, sampler="geometric", estimator="constant", time_limit=250).plan
+    assert plan is not None
+    assert plan.attempts[0].motion[-1].gripper.force == 10
