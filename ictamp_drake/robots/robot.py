@@ -29,7 +29,7 @@ from ictamp_drake.robots.bodies import (
     refuse_unconnected,
 )
 from ictamp_drake.robots.chain import Chain, read_chain
-from ictamp_drake.robots.choice import create_inverse_kinematics
+from ictamp_drake.robots.choice import OPTION, create_inverse_kinematics
 from ictamp_drake.robots.files import stamp_of
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
@@ -181,7 +181,10 @@ class Robot:
 
         A choice may take a while, so each is made once.
         """
-        return _inverse_kinematics(self, self.spec.kinematics if kind == "auto" else kind, starts)
+        if kind != "auto":
+            return _inverse_kinematics(self, kind, starts, OPTION)
+        with in_file(find_file(self.name)):
+            return _inverse_kinematics(self, self.spec.kinematics, starts, "kinematics")
 
     @cached_property
     def _bare(self) -> RobotBodies:
@@ -255,7 +258,7 @@ class Robot:
             if not isinstance(joint, RevoluteJoint):
                 problem, field = "expected a joint that turns, got {value}, which slides", f"joints[{number}]"
                 raise IctampError(Code.WRONG_TYPE, problem, field=field, value=joint.name())
-        for number, (position, low, high) in enumerate(zip(self.home, self.lower, self.upper, strict=True)):
+        for number, (position, low, high) in enumerate(zip(self.spec.home, self.lower, self.upper, strict=True)):
             check_range(f"home[{number}]", position, low, high, " rad")
         for limit in (self.velocity, self.acceleration, self.jerk, self.effort, self.gripper):
             assert limit is not None  # each raises an error of its own
@@ -283,7 +286,9 @@ class Robot:
             (gripper.collision, bodies.instances[-1], "gripper.collision"),
         ):
             for name, added in shapes.items():
-                add_shapes(plant, find_frame(plant, instance, name, f"{field}.{name}").body(), added)
+                with in_file(find_file(self.name)):
+                    body = find_frame(plant, instance, name, f"{field}.{name}").body()
+                add_shapes(plant, body, added)
         file = self.gripper_model or self.model
         for face, finger in zip(bodies.faces, bodies.fingers, strict=True):
             if finger.name() in gripper.collision or not brings_pad(file, finger.name()):
@@ -297,10 +302,11 @@ class Robot:
             shapes.setdefault(body.name(), GeometrySet()).Add(plant.GetCollisionGeometriesForBody(body))
         manager = scene_graph.collision_filter_manager()
         for number, (first, second) in enumerate(self.touching):
-            for name in (first, second):
-                if name not in shapes:
-                    problem, field = "there is no body {value}", f"touching[{number}]"
-                    raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=shapes)
+            with in_file(find_file(self.name)):
+                for name in (first, second):
+                    if name not in shapes:
+                        problem, field = "there is no body {value}", f"touching[{number}]"
+                        raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=shapes)
             manager.Apply(CollisionFilterDeclaration().ExcludeBetween(shapes[first], shapes[second]))
         if self.gripper.shares is None:  # the bars of a linkage overlap
             moving = [shape for body in bodies.moving for shape in plant.GetCollisionGeometriesForBody(body)]
@@ -326,8 +332,8 @@ def _freeze(values: object) -> FloatArray:
 
 
 @lru_cache(maxsize=32)
-def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int) -> InverseKinematics:
-    return create_inverse_kinematics(kind, robot.chain, starts)
+def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int, field: str) -> InverseKinematics:
+    return create_inverse_kinematics(kind, robot.chain, starts, field)
 
 
 def find_robot(name: str = DEFAULT) -> Robot:
