@@ -12,7 +12,8 @@ from ictamp_drake.robots.chain import Chain
 from ictamp_drake.robots.numeric import NumericKinematics
 from ictamp_drake.robots.panda import PandaKinematics, is_panda
 
-_FIELD = "skills.motion.kinematics.kind"
+OPTION = "skills.motion.kinematics.kind"
+"""Option of the programs that says the kind."""
 
 _POSES = 40
 """Number of random poses on which an analytic solution is tried."""
@@ -24,7 +25,9 @@ _ENOUGH = 0.95
 """Least share of these poses that an analytic solution must solve for `auto` to choose it."""
 
 
-def create_inverse_kinematics(kind: KinematicsKind, chain: Chain, starts: int) -> InverseKinematics:
+def create_inverse_kinematics(
+    kind: KinematicsKind, chain: Chain, starts: int, field: str = OPTION
+) -> InverseKinematics:
     """Create the inverse kinematics of an arm.
 
     Args:
@@ -32,6 +35,7 @@ def create_inverse_kinematics(kind: KinematicsKind, chain: Chain, starts: int) -
             if the arm is a Panda, analytic if it solves random poses of this arm, by forward kinematics.
         chain: Arm.
         starts: Number of starts for each pose, numeric kind only.
+        field: Field that says the kind, for errors.
 
     Raises:
         IctampError: The arm has no solution of this kind, or the package that knows it is missing.
@@ -39,7 +43,7 @@ def create_inverse_kinematics(kind: KinematicsKind, chain: Chain, starts: int) -
     if kind in ("auto", "closed-form") and is_panda(chain):
         return PandaKinematics()
     if kind == "analytic" or (kind == "auto" and find_spec("eaik")):
-        analytic = _create_analytic(chain)
+        analytic = _create_analytic(chain, field)
         if analytic and (kind == "analytic" or try_poses(analytic, chain, _POSES, _STEP).solved >= _ENOUGH):
             return analytic
     if kind in ("auto", "numeric"):
@@ -47,17 +51,17 @@ def create_inverse_kinematics(kind: KinematicsKind, chain: Chain, starts: int) -
     raise IctampError(
         Code.CONFLICT,
         "the arm has no {value} inverse kinematics",
-        field=_FIELD,
+        field=field,
         value=kind,
         advice="choose numeric, which serves any arm",
     )
 
 
-def _create_analytic(chain: Chain) -> InverseKinematics | None:
+def _create_analytic(chain: Chain, field: str) -> InverseKinematics | None:
     """Create the analytic solution, with the free joint that gives the most postures; None where none is known."""
     if not find_spec("eaik"):
         advice = 'run pip install "ictamp_drake[ik]"'
-        raise IctampError(Code.NOT_INSTALLED, "eaik is not installed", field=_FIELD, value="analytic", advice=advice)
+        raise IctampError(Code.NOT_INSTALLED, "eaik is not installed", field=field, value="analytic", advice=advice)
     from ictamp_drake.robots.analytic import AnalyticKinematics, lockable  # noqa: PLC0415
 
     found = (AnalyticKinematics(chain, joint) for joint in lockable(chain))

@@ -12,9 +12,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, WeldJoint
 
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.reading import read_text
 from ictamp_drake.models.model_text import Shapes, keep_shapes
 from ictamp_drake.models.package import PACKAGE_FILE, add_package
+from ictamp_drake.robots.files import read_once
 
 _PACKAGE = re.compile(r"package://([^/\"<\s]+)")
 _URI = re.compile(r"""(filename=["']|<uri>\s*)(?!\w+://)([^"'<]*[^"'<\s])""")
@@ -91,11 +91,11 @@ def add_model(
     add_package(parser)
     parser.SetAutoRenaming(True)
     kind = _TEXTS.get(path.suffix)
-    text = read_text(path)
+    text = read_once(path)
     if kind:
         text = _prepare(text, path.parent, shapes, without)
-    if not plant.time_step():  # a continuous plant has no constraints, and Drake would warn of each
-        text = _MIMIC.sub("", text)
+    if not plant.time_step():
+        text = _leave_out_mimics(text)
     _add_installed(parser.package_map(), [text], field)
     try:
         instances = parser.AddModelsFromString(text, kind) if kind else parser.AddModels(path)
@@ -133,9 +133,20 @@ def _prepare(text: str, folder: Path, shapes: Shapes, without: frozenset[str]) -
     return keep_shapes(text, shapes)
 
 
+@lru_cache(maxsize=32)
+def _leave_out_mimics(text: str) -> str:
+    """Return a model for a continuous plant, which has no constraints; Drake would warn of each."""
+    return _MIMIC.sub("", text)
+
+
 def brings_pad(path: Path, link: str) -> bool:
     """Whether a link of an SDF or URDF file has a collision shape with the name pad."""
-    return 'collision name="pad"' in "".join(re.findall(_block_of(link), read_text(path), re.DOTALL))
+    return _brings_pad(read_once(path), link)
+
+
+@lru_cache(maxsize=32)
+def _brings_pad(text: str, link: str) -> bool:
+    return 'collision name="pad"' in "".join(re.findall(_block_of(link), text, re.DOTALL))
 
 
 def _block_of(link: str) -> str:
@@ -169,7 +180,7 @@ def read_efforts(path: Path) -> Mapping[str, float]:
 
 def _joints_of(path: Path) -> Iterator[tuple[str, str]]:
     """Yield names and texts of the joints of an SDF or URDF file."""
-    text = re.sub(r"<!--.*?-->", "", read_text(path), flags=re.DOTALL)
+    text = re.sub(r"<!--.*?-->", "", read_once(path), flags=re.DOTALL)
     for block in re.findall(r"<joint\s.*?</joint>", text, re.DOTALL):
         if name := re.search(r'name="([^"]+)"', block):
             yield name[1], block

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ictamp_drake.core.types import FloatArray
 from ictamp_drake.models.panda import DH_PARAMETERS, FLANGE_OFFSET, GRASP_OFFSET, HAND_ANGLE
-from ictamp_drake.robots.chain import Chain, is_within
+from ictamp_drake.robots.chain import ROUNDING, Chain, is_within
 
 
 def link(a: float, d: float, alpha: float, angle: FloatArray) -> FloatArray:
@@ -51,7 +51,7 @@ _ALIKE = 1e-9
 
 
 class PandaKinematics:
-    """Closed form for the Panda; the free joint is the last. Angles of a joint beyond ±π are not known."""
+    """Closed form for the Panda; the free joint is the last."""
 
     free: int | None = 6
     finds_all = True
@@ -62,6 +62,8 @@ class PandaKinematics:
         """See `core.protocols.InverseKinematics`."""
         one = len(X_BG) == 1
         found = postures(X_BG[0] if one else np.repeat(X_BG, len(angles), axis=0), np.tile(angles, len(X_BG)))
+        sixth = found[..., 5]  # the only joint with a limit beyond π
+        sixth[sixth < limits[0, 5] - ROUNDING] += 2 * np.pi
         inside = is_within(found, limits)
         q = found[inside]
         return q, np.zeros(len(q), dtype=np.intp) if one else inside.nonzero()[1] // len(angles)

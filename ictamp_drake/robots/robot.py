@@ -1,7 +1,6 @@
 """An arm with a gripper, built from its file. Everything that must know the robot of a scene asks it here."""
 
 from collections.abc import Hashable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -30,7 +29,8 @@ from ictamp_drake.robots.bodies import (
     refuse_unconnected,
 )
 from ictamp_drake.robots.chain import Chain, read_chain
-from ictamp_drake.robots.choice import create_inverse_kinematics
+from ictamp_drake.robots.choice import OPTION, create_inverse_kinematics
+from ictamp_drake.robots.files import stamp_of
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
 from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_efforts, read_mimics
@@ -181,7 +181,10 @@ class Robot:
 
         A choice may take a while, so each is made once.
         """
-        return _inverse_kinematics(self, self.spec.kinematics if kind == "auto" else kind, starts)
+        if kind != "auto":
+            return _inverse_kinematics(self, kind, starts, OPTION)
+        with in_file(find_file(self.name)):
+            return _inverse_kinematics(self, self.spec.kinematics, starts, "kinematics")
 
     @cached_property
     def _bare(self) -> RobotBodies:
@@ -264,7 +267,7 @@ class Robot:
             if not isinstance(joint, RevoluteJoint):
                 problem, field = "expected a joint that turns, got {value}, which slides", f"joints[{number}]"
                 raise IctampError(Code.WRONG_TYPE, problem, field=field, value=joint.name())
-        for number, (position, low, high) in enumerate(zip(self.home, self.lower, self.upper, strict=True)):
+        for number, (position, low, high) in enumerate(zip(self.spec.home, self.lower, self.upper, strict=True)):
             check_range(f"home[{number}]", position, low, high, " rad")
         for limit in (self.velocity, self.acceleration, self.jerk, self.effort, self.gripper):
             assert limit is not None  # each raises an error of its own
@@ -292,7 +295,9 @@ class Robot:
             (gripper.collision, bodies.instances[-1], "gripper.collision"),
         ):
             for name, added in shapes.items():
-                add_shapes(plant, find_frame(plant, instance, name, f"{field}.{name}").body(), added)
+                with in_file(find_file(self.name)):
+                    body = find_frame(plant, instance, name, f"{field}.{name}").body()
+                add_shapes(plant, body, added)
         file = self.gripper_model or self.model
         for face, finger in zip(bodies.faces, bodies.fingers, strict=True):
             if finger.name() in gripper.collision or not brings_pad(file, finger.name()):
@@ -303,10 +308,11 @@ class Robot:
         plant, names = bodies.plant, bodies.names
         manager = scene_graph.collision_filter_manager()
         for number, pair in enumerate(self.touching):
-            for name in pair:
-                if name not in names:
-                    problem, field = "there is no body {value}", f"touching[{number}]"
-                    raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=names)
+            with in_file(find_file(self.name)):
+                for name in pair:
+                    if name not in names:
+                        problem, field = "there is no body {value}", f"touching[{number}]"
+                        raise IctampError(Code.UNKNOWN_CHOICE, problem, field=field, value=name, choices=names)
             first, second = (GeometrySet(plant.GetCollisionGeometriesForBody(names[name])) for name in pair)
             manager.Apply(CollisionFilterDeclaration().ExcludeBetween(first, second))
         if self.gripper.shares is None:  # the bars of a linkage overlap
@@ -336,8 +342,8 @@ def _freeze(values: object) -> FloatArray:
 
 
 @lru_cache(maxsize=32)
-def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int) -> InverseKinematics:
-    return create_inverse_kinematics(kind, robot.chain, starts)
+def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int, field: str) -> InverseKinematics:
+    return create_inverse_kinematics(kind, robot.chain, starts, field)
 
 
 def find_robot(name: str = DEFAULT) -> Robot:
@@ -349,7 +355,7 @@ def find_robot(name: str = DEFAULT) -> Robot:
     spec, file = read_robot(name), find_file(name)
     with in_file(file):
         models = _find_models(spec, file.parent.resolve())
-        return _build(name, spec, models, tuple(each and _stamp(each) for each in models))
+        return _build(name, spec, models, tuple(each and stamp_of(each) for each in models))
 
 
 @lru_cache(maxsize=32)
@@ -357,14 +363,6 @@ def _find_models(spec: RobotSpec, folder: Path) -> tuple[Path, Path | None]:
     """Return the files of the models of a robot file in a folder; see `Robot`."""
     gripper = spec.gripper.model
     return find_model(spec.model, folder, "model"), find_model(gripper, folder, "gripper.model") if gripper else None
-
-
-def _stamp(path: Path) -> tuple[int, int] | None:
-    """Return what changes when a file does; None if it cannot be read, of which `_build` tells."""
-    with suppress(OSError):
-        status = path.stat()
-        return status.st_mtime_ns, status.st_size
-    return None
 
 
 @lru_cache(maxsize=32)

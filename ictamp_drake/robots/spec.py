@@ -13,8 +13,9 @@ from typing import Literal
 from ictamp_drake.core.checks import POSITIVE, check_different, check_range, check_vector
 from ictamp_drake.core.decoding import decode
 from ictamp_drake.core.errors import Code, IctampError
-from ictamp_drake.core.reading import in_file, parse, read_text
+from ictamp_drake.core.reading import in_file, parse
 from ictamp_drake.core.types import KinematicsKind
+from ictamp_drake.robots.files import read_once
 
 Vector = tuple[float, float, float]
 
@@ -275,7 +276,7 @@ def read_robot(name: str) -> RobotSpec:
     """
     path = find_file(name)
     with in_file(path):
-        return _decode(read_text(path, MAX_BYTES))
+        return _decode(read_once(path, MAX_BYTES))
 
 
 @lru_cache(maxsize=32)

@@ -319,7 +319,9 @@ def to_yaml(spec: SceneSpec) -> str:
 def _to_plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _to_plain(item) for key, item in value.items()}
-    return list(value) if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [_to_plain(item) for item in value]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _pose(rotation: Vector, position: Vector) -> FloatArray:

@@ -233,7 +233,8 @@ class PickConfig:
     """Constants of a pick.
 
     Attributes:
-        force: Minimum grip force of each finger [N]. A heavy or smooth box is gripped harder, up to the hand's limit.
+        force: Minimum grip force of each finger [N], or the hand's limit if that is lower. A heavy or smooth box is
+            gripped harder, up to that limit.
         safety: Ratio of the load that the friction of the fingers can bear to the load of the box at rest.
         clearances: Distances between box and fingers as the hand comes down [m]. The first one that the neighbors leave
             room for is used.

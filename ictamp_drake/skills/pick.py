@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from pydrake.math import RigidTransform
 
-from ictamp_drake.core.checks import check_range
 from ictamp_drake.core.failures import Failure
 from ictamp_drake.core.types import Action, Configuration, FloatArray, GripperCommand, Motion, Parameter
 from ictamp_drake.motion.planner import MotionPlanner, Refusal
@@ -34,7 +33,6 @@ class Pick:
         self._planner = planner
         self._config = config
         self._gripper = world.robot.gripper
-        check_range("skills.pick.force", config.force, 0.1, self._gripper.force, " N")
 
     def plan(self, c: Configuration, action: Action, k: Parameter, rng: np.random.Generator) -> Motion | Refusal:
         """The motion that grasps with parameter k from c, or the reason why there is none."""
@@ -73,7 +71,7 @@ class Pick:
         least = needed_force(spec.mass, spec.friction, lever, safety=config.safety)
         if least > most:
             return Refusal(Failure.TOO_HEAVY, f"it needs {least:.0f} N, and the hand has {most:g} N")
-        return max(config.force, min(most, needed_force(spec.mass, spec.friction, lever, offset, config.safety)))
+        return min(most, max(config.force, needed_force(spec.mass, spec.friction, lever, offset, config.safety)))
 
     def _way_up(
         self, c: Configuration, box: str, X_WG: RigidTransform, k: Parameter

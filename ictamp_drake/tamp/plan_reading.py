@@ -1,7 +1,7 @@
 """Reading of plan.yaml: a plan that can be executed, or an error that names what is wrong."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from ictamp_drake.core.errors import Code, IctampError
 from ictamp_drake.core.reading import in_file, parse, read_text
 from ictamp_drake.core.types import Action, Attempt, Configuration, FloatArray, GripperCommand, Segment
 from ictamp_drake.robots.robot import find_robot
-from ictamp_drake.scenes.spec import SceneSpec
+from ictamp_drake.scenes.spec import SceneSpec, locate_robot
 from ictamp_drake.tamp.plan_checks import (
     check_action,
     check_configuration,
@@ -60,9 +60,21 @@ def read_parts(path: Path) -> Parts:
             problem = f"expected {', '.join(map(str, FORMATS[:-1]))} or {FORMAT}, got {{value}}"
             raise IctampError(Code.OTHER_VERSION, problem, field="format", value=version)
         found = decode(_File, content)
+        found = replace(found, scene=_locate_robot(found.scene, path.parent))
         parts = _check_parts(found)
         _check_whole(content, parts, found.format)
     return parts
+
+
+def _locate_robot(spec: SceneSpec, folder: Path) -> SceneSpec:
+    """Return the scene with the path of its robot file, which may be relative to the folder of the plan.
+
+    Raises:
+        IctampError: There is no such robot, or its file or models are not valid.
+    """
+    robot = locate_robot(spec.robot, folder)
+    find_robot(robot)
+    return replace(spec, robot=robot)
 
 
 def _check_parts(found: "_File") -> Parts:

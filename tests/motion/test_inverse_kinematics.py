@@ -25,7 +25,7 @@ def error(X_WG: RigidTransform, X_WH: RigidTransform) -> tuple[float, float]:
 @example(np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.75, 0.0]), np.zeros(7))
 def test_solution_is_near_the_guess_and_holds_the_hand_where_it_shall_be(share: FloatArray, offset: FloatArray) -> None:
     """The last joint's angle is one of those tried; else a posture at several limits may have none beside it."""
-    q = ARM.lower + share * (np.minimum(ARM.upper, np.pi - 1e-6) - ARM.lower)  # the closed form ends at π
+    q = ARM.lower + share * (ARM.upper - ARM.lower)
     q[6] -= np.remainder(q[6] - ARM.lower[6], ARM.config.last_step)
     X_WG, guess = ARM.forward(q), q + offset
     solution = ARM.solve(X_WG, guess)

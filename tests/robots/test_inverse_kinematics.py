@@ -85,6 +85,21 @@ def test_analytic_finds_what_the_closed_form_finds(share: FloatArray) -> None:
         assert np.abs(analytic - each).max(axis=1).min(initial=np.inf) < 1e-4
 
 
+@given(shares)
+@settings(deadline=None)
+def test_closed_form_finds_angles_of_the_sixth_joint_beyond_half_a_turn(share: FloatArray) -> None:
+    limits = PANDA.limits.copy()
+    limits[0, 5] = np.pi
+    q = limits[0] + share * (limits[1] - limits[0])
+    X_BG, angles = PANDA.forward(q[None]), q[6:]
+    found, _ = PandaKinematics().postures(X_BG, angles, PANDA.limits)
+    assert is_within(found, PANDA.limits).all()
+    assert PANDA.is_at(found, np.repeat(X_BG, len(found), axis=0)).all()
+    if min(abs(np.sin(q[1])), abs(np.cos(q[4]))) > 1e-3:  # else a turn of one joint can undo that of another
+        inside = is_within(q, PANDA.limits + [[1e-4], [-1e-4]])
+        assert not inside or np.abs(found - q).max(axis=1).min(initial=np.inf) < 1e-4
+
+
 def test_auto_takes_the_first_kind_that_serves(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(create_inverse_kinematics("auto", PANDA, 64), PandaKinematics)
     assert isinstance(create_inverse_kinematics("auto", SIX, 64), AnalyticKinematics)

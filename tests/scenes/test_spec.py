@@ -1,6 +1,7 @@
 """Scene files: exact round trips, defaults, poses, and files that appear whole or not at all."""
 
 import string
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,14 @@ def test_a_scene_survives_its_file(tmp_path: Path) -> None:
     save_scene(spec, tmp_path / "scene.yaml")
     assert load_scene(tmp_path / "scene.yaml") == spec
     assert [path.name for path in tmp_path.iterdir()] == ["scene.yaml"]
+
+
+def test_a_scene_may_have_numbers_of_numpy(tmp_path: Path) -> None:
+    spec = decode(SceneSpec, parse(SHORTEST))
+    box = BoxSpec(tuple(np.full(3, 0.05)), tuple(np.array([0.5, 0.1, 0.025])), mass=np.float64(0.2))  # type: ignore[arg-type]
+    spec = replace(spec, boxes={"red_box": box}, seed=np.int64(3))  # type: ignore[arg-type]
+    save_scene(spec, tmp_path / "scene.yaml")
+    assert load_scene(tmp_path / "scene.yaml") == spec
 
 
 def test_a_failed_save_leaves_nothing_behind(tmp_path: Path) -> None:

@@ -48,12 +48,7 @@ def measure_reach(robot: Robot) -> Reach:
     Raises:
         IctampError: The arm has no inverse kinematics of its kind.
     """
-    try:
-        kinematics = robot.inverse("auto", STARTS)
-    except IctampError as error:
-        raise IctampError(
-            error.code, error.problem, field="kinematics", value=error.value, advice=error.advice
-        ) from error
+    kinematics = robot.inverse("auto", STARTS)
     kinds = {PandaKinematics: "closed form", AnalyticKinematics: "analytic"}
     lower, upper = limits = np.clip(robot.chain.limits, -np.pi, np.pi)
     q = np.random.default_rng(0).uniform(lower, upper, (_SAMPLES, len(lower)))
