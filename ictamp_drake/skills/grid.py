@@ -14,7 +14,7 @@ from pydrake.math import RigidTransform
 from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.motion.collision import CollisionScene
 from ictamp_drake.motion.inverse_kinematics import ArmKinematics
-from ictamp_drake.robots.hand import Hand
+from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.skills.base import imagine, openings
 from ictamp_drake.skills.config import GRID_STEP, GRID_TURN, PickConfig, PlaceConfig
 from ictamp_drake.skills.geometry import grasp_in_box, level_pose, raise_pose
@@ -125,7 +125,7 @@ class GraspGrid:
         spots = _list_spots(self._half[:2])
         self.spots = spots[[len(self.yaws(p)) > 0 for p in spots]]
         self.variants: list[tuple[float, ...]] = [
-            (float(self._half[2]) - depth,) for depth in _list_depths(self._gripper.hand, lying.size[2])
+            (float(self._half[2]) - depth,) for depth in _list_depths(self._gripper, lying.size[2])
         ]
 
     def _needed(self, p_FG: FloatArray, yaw: FloatArray | float) -> FloatArray:
@@ -184,7 +184,7 @@ class PlacementGrid:
         self.spots = spots[order]
         self.variants: list[tuple[float, ...]] = [
             (float(self._size[2]) - depth, turn, float(x))
-            for depth in _list_depths(gripper.hand, self._size[2])
+            for depth in _list_depths(gripper, self._size[2])
             for turn in turns
             for x in _list_steps(self._size[turn] / 2)
         ]
@@ -250,8 +250,12 @@ def _list_spots(half: FloatArray) -> FloatArray:
     return spots[np.argsort(np.linalg.norm(spots, axis=1), kind="stable")]
 
 
-def _list_depths(hand: Hand, height: float) -> list[float]:
-    """List distances of G below the top of a box of some height [m] at which the pads touch it, the easiest first."""
-    depths = np.arange(-hand.pad_half_height + GRID_STEP / 2, height, GRID_STEP)
+def _list_depths(gripper: Gripper, height: float) -> list[float]:
+    """List distances of G below the top of a box of some height [m] at which the pads may touch it, the easiest first.
+
+    The pads of a linkage are above or below G, depending on the width.
+    """
+    hand, lowest, highest = gripper.hand, float(gripper.rises.max()), float(gripper.rises.min())
+    depths = np.arange(-hand.pad_half_height - lowest + GRID_STEP / 2, height - highest, GRID_STEP)
     easy = min(_EASY_DEPTH, height - hand.tip)  # which keeps the tips off what the box rests on
     return sorted(depths.tolist(), key=lambda depth: abs(depth - easy))

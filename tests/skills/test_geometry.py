@@ -9,6 +9,9 @@ from hypothesis import strategies as st
 from pydrake.math import RigidTransform, RotationMatrix
 
 from ictamp_drake.core.types import Action, FloatArray
+from ictamp_drake.motion.collision import CollisionScene
+from ictamp_drake.motion.inverse_kinematics import ArmKinematics
+from ictamp_drake.skills.config import GRID_STEP, PickConfig
 from ictamp_drake.skills.geometry import (
     R_DOWN,
     grasp_parameter,
@@ -22,6 +25,7 @@ from ictamp_drake.skills.geometry import (
     raise_pose,
     yaw_of,
 )
+from ictamp_drake.skills.grid import GraspGrid, Lines
 from ictamp_drake.world.poses import to_pose, to_transform
 from ictamp_drake.world.world import World
 from tests.robots import small
@@ -152,6 +156,15 @@ def test_k_is_the_middle_of_the_pads(offset: World) -> None:
     np.testing.assert_allclose(X_UG.translation(), [0.01, 0.0, 0.025], atol=1e-9)
     (many,) = hand_poses(offset, c, Action("pick", ("blue_box", "table")), k, RigidTransform())
     np.testing.assert_allclose(many, grasp_pose(offset, c, "blue_box", k[0]).GetAsMatrix4(), atol=1e-12)
+
+
+def test_a_grid_of_grasps_has_all_heights_at_which_the_pads_touch_the_box(offset: World) -> None:
+    lines = Lines(ArmKinematics(offset.robot, RigidTransform()), CollisionScene(offset))
+    grid = GraspGrid(offset, lines, PickConfig(), offset.initial_configuration(), "blue_box")
+    heights = [height for (height,) in grid.variants]
+    half = SIZES["blue_box"][2] / 2
+    assert max(heights) > half + 0.01 + 0.005 - GRID_STEP
+    assert min(heights) < -half + 0.005 + GRID_STEP
 
 
 @given(k=st.lists(parameters, min_size=1, max_size=3).map(np.array), receptacle=st.sampled_from(["rack", "cyan_box"]))
