@@ -1,1 +1,1 @@
-"""Robot, supports and boxes: SDF files written by `python -m tools.write`, and their constants."""
+"""Robots, supports and boxes: SDF files written by `python -m tools.write`, and their constants."""

@@ -1,1 +1,1 @@
-"""Arms as chains of joints, and their inverse kinematics."""
+"""Robots: their files and models, the kinematics of their arms, and the measures and forces of their hands."""

@@ -125,7 +125,7 @@ class Robot:
 
     @cached_property
     def places(self) -> IntArray:
-        """Places of arm and fingers in the positions of a plant, which the robot is the first in, shape (n + m,)."""
+        """Places of arm and fingers in the positions of a plant in which the robot comes first, shape (n + m,)."""
         return np.concatenate([self._bare.arm, self._bare.gripper])
 
     @cached_property
