@@ -99,7 +99,7 @@ def problem_files(level: str, selection: str = ":") -> list[Path]:
 
 def load_problem(path: Path, robot: str | None = None) -> SceneSpec:
     """Load a scene of a level, with another robot if one is given; see `place_robot`."""
-    spec = load_scene(path)
+    spec = load_scene(path, robot)
     return spec if robot is None else place_robot(spec, robot)
 
 

@@ -229,15 +229,23 @@ class SceneSpec:
         return self.areas[place].on if place in self.areas else place
 
 
-def load_scene(path: Path | str) -> SceneSpec:
+def load_scene(path: Path | str, robot: str | None = None) -> SceneSpec:
     """Read a scene file.
 
+    Args:
+        path: Scene file.
+        robot: Robot that replaces that of the scene, see `replace_robot`.
+
     Raises:
-        IctampError: The file cannot be read or is not a scene, with the line, the field and its value.
+        IctampError: The file cannot be read or is not a scene, with the line, the field and its value; or there is no
+            such robot.
     """
     with in_file(path):
         spec = decode(SceneSpec, parse(read_text(path, MAX_BYTES), MAX_VALUES))
         spec = replace(spec, robot=locate_robot(spec.robot, Path(path).parent))
+    if robot is not None:
+        spec = replace_robot(spec, robot)
+    with in_file(path):
         check_widths(spec)
     return spec
 

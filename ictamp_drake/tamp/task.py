@@ -71,9 +71,10 @@ def load(
     Raises:
         IctampError: The file, the scene, its robot, its start or its goal is not valid; one sentence says why.
     """
-    spec, where = (scene, "the scene") if isinstance(scene, SceneSpec) else (load_scene(scene), str(scene))
-    if robot is not None:
-        spec = replace_robot(spec, robot)
+    if isinstance(scene, SceneSpec):
+        spec, where = scene if robot is None else replace_robot(scene, robot), "the scene"
+    else:
+        spec, where = load_scene(scene, robot), str(scene)
     return prepare(spec if start is None else observed_scene(spec, start), method, where)
 
 

@@ -154,3 +154,12 @@ def test_the_gripper_needs_one_narrow_side_as_the_box_stands(
     else:
         with refusal(Code.TOO_WIDE, "boxes.thing.size", value=size):
             check_widths(spec)
+
+
+def test_a_box_must_fit_the_robot_that_replaces_that_of_the_scene(tmp_path: Path) -> None:
+    boxes = {"thing": BoxSpec(size=(0.09, 0.09, 0.06), position=(0.5, 0, 0.03))}
+    spec = SceneSpec(supports={"table": SupportSpec("table", (0.5, 0, 0))}, boxes=boxes, goal="(in-hand thing)")
+    save_scene(spec, path := tmp_path / "scene.yaml")
+    with refusal(Code.TOO_WIDE, "boxes.thing.size", file=path):
+        load_scene(path)
+    assert load_scene(path, "iiwa14_wsg50").boxes == boxes
