@@ -26,6 +26,19 @@ _TEXTS = {".sdf": "sdf", ".urdf": "urdf"}
 _MIMIC_DEFAULTS = (("multiplier", "1"), ("offset", "0"))
 
 
+Stamp = tuple[int, int]
+"""Time of change [ns] and size [bytes] of a file, which differ once it is edited; zeros if it is missing."""
+
+
+def stamp_of(path: Path) -> Stamp:
+    """Return the stamp of a file, to keep what was read from it until it changes."""
+    try:
+        status = path.stat()
+    except OSError:
+        return 0, 0
+    return status.st_mtime_ns, status.st_size
+
+
 class Mimic(NamedTuple):
     """A joint that follows another one: position = multiplier * leader + offset."""
 
@@ -93,7 +106,7 @@ def add_model(
     add_package(parser)
     parser.SetAutoRenaming(True)
     kind = _TEXTS.get(path.suffix)
-    text = _read_model(path, shapes, without) if kind else read_text(path)
+    text = _read_model(path, stamp_of(path), shapes, without) if kind else read_text(path)
     if not plant.time_step():  # a continuous plant has no constraints, and Drake would warn of each
         text = _MIMIC.sub("", text)
     _add_installed(parser.package_map(), [text], field)
@@ -125,7 +138,7 @@ def _release(plant: MultibodyPlant, instance: ModelInstanceIndex, path: Path, fi
 
 
 @lru_cache(maxsize=32)
-def _read_model(path: Path, shapes: Shapes, without: frozenset[str]) -> str:
+def _read_model(path: Path, _: Stamp, shapes: Shapes, without: frozenset[str]) -> str:
     """Return the model as text, in which all paths are absolute: Drake parses a file 0.03 s slower than its text."""
     text = read_text(path)
     for link in without:
@@ -143,13 +156,17 @@ def _block_of(link: str) -> str:
     return rf'<link\s[^>]*name="{re.escape(link)}".*?</link>'
 
 
-@lru_cache(maxsize=32)
 def read_mimics(path: Path) -> Mapping[str, Mimic]:
     """Return the joints of an SDF or URDF file that follow others, by name.
 
     Raises:
         IctampError: A multiplier or an offset is not a number.
     """
+    return _read_mimics(path, stamp_of(path))
+
+
+@lru_cache(maxsize=32)
+def _read_mimics(path: Path, _: Stamp) -> Mapping[str, Mimic]:
     found = {}
     for name, block in _joints_of(path):
         if mimic := re.search(r"<(?:drake:)?mimic\b.*", block, re.DOTALL):
@@ -160,9 +177,13 @@ def read_mimics(path: Path) -> Mapping[str, Mimic]:
     return found
 
 
-@lru_cache(maxsize=32)
 def read_efforts(path: Path) -> Mapping[str, float]:
     """Return the limits of effort of a URDF file by joint. Drake takes only those of joints with a transmission."""
+    return _read_efforts(path, stamp_of(path))
+
+
+@lru_cache(maxsize=32)
+def _read_efforts(path: Path, _: Stamp) -> Mapping[str, float]:
     if path.suffix != ".urdf":
         return {}
     found = ((name, re.search(r'<limit\b[^>]*\beffort="([^"]+)"', block)) for name, block in _joints_of(path))

@@ -31,7 +31,15 @@ from ictamp_drake.robots.chain import Chain, read_chain
 from ictamp_drake.robots.choice import OPTION, create_inverse_kinematics
 from ictamp_drake.robots.gripper import Gripper
 from ictamp_drake.robots.measure import find_touching, measure_fingers, measure_hand
-from ictamp_drake.robots.model_files import add_model, brings_pad, find_model, read_efforts, read_mimics
+from ictamp_drake.robots.model_files import (
+    Stamp,
+    add_model,
+    brings_pad,
+    find_model,
+    read_efforts,
+    read_mimics,
+    stamp_of,
+)
 from ictamp_drake.robots.panda import forward as panda_forward
 from ictamp_drake.robots.panda import is_panda
 from ictamp_drake.robots.spec import DEFAULT, RobotSpec, find_file, read_robot
@@ -322,20 +330,26 @@ def _inverse_kinematics(robot: Robot, kind: KinematicsKind, starts: int, field: 
 
 
 def find_robot(name: str = DEFAULT) -> Robot:
-    """Return a robot that ships, or that of a file. A robot whose file has not changed is built once.
+    """Return a robot that ships, or that of a file. A robot whose file and models have not changed is built once.
 
     Raises:
         IctampError: There is no such robot, or its file or models are not valid.
     """
-    return _build(name, read_robot(name))
+    spec, file = read_robot(name), find_file(name)
+    with in_file(file):
+        models = _find_models(spec.model, spec.gripper.model, file.parent.resolve())
+        return _build(name, spec, models, tuple(map(stamp_of, models)))
 
 
 @lru_cache(maxsize=32)
-def _build(name: str, spec: RobotSpec) -> Robot:
-    file = find_file(name)
-    with in_file(file):
-        folder, gripper = file.parent, spec.gripper.model
-        model = find_model(spec.model, folder, "model")
-        robot = Robot(name, spec, model, find_model(gripper, folder, "gripper.model") if gripper else None)
-        robot.check()
+def _find_models(model: str, gripper: str | None, folder: Path) -> tuple[Path, ...]:
+    """Return the files of the arm's model and of the gripper's, if it has one of its own."""
+    found = (find_model(model, folder, "model"),)
+    return (*found, find_model(gripper, folder, "gripper.model")) if gripper else found
+
+
+@lru_cache(maxsize=32)
+def _build(name: str, spec: RobotSpec, models: tuple[Path, ...], _: tuple[Stamp, ...]) -> Robot:
+    robot = Robot(name, spec, models[0], models[1] if len(models) > 1 else None)
+    robot.check()
     return robot
