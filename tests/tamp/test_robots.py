@@ -148,3 +148,15 @@ def test_a_hand_weaker_than_the_usual_grip_uses_all_its_force(tmp_path: Path) ->
     plan = ict.solve(task, sampler="geometric", estimator="constant", time_limit=250).plan
     assert plan is not None
     assert plan.attempts[0].motion[-1].gripper.force == 10
+
+
+def test_a_model_that_was_edited_is_read_again(tmp_path: Path) -> None:
+    file = str(small.write(tmp_path))
+    robot = find_robot(file)
+    assert find_robot(file) is robot
+    model = (tmp_path / "small.urdf").read_text()
+    (tmp_path / "small.urdf").write_text(model.replace('velocity="2"', 'velocity="1.5"'))
+    assert (set(robot.velocity), set(find_robot(file).velocity)) == ({2.0}, {1.5})
+    (tmp_path / "small.urdf").unlink()
+    with refusal(Code.NOT_READABLE, file=tmp_path / "small.urdf"):
+        find_robot(file)
