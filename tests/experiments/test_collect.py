@@ -126,7 +126,7 @@ def test_an_attempt_in_which_the_process_dies_or_hangs_costs_only_itself(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(program, "write_walk", _die_here_and_there)
-    options = program.Collect(out=tmp_path, scenes="3:7", limit=3.0, engine=EngineConfig(workers=1))
+    options = program.Collect(out=tmp_path, scenes="3:7", limit=6.0, engine=EngineConfig(workers=1))
     assert program.collect(options, Console(width=120)) == 1
     printed = capsys.readouterr().out
     assert "scene 4 is walked through again without attempt 2" in printed
