@@ -23,6 +23,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import JacobianWrtVariable, RigidBody
 
 from ictamp_drake.core.types import Configuration, FloatArray
+from ictamp_drake.robots.bodies import IntArray
 from ictamp_drake.world.poses import to_transform
 from ictamp_drake.world.world import World
 
@@ -119,6 +120,12 @@ class CollisionScene:
         return found
 
 
+def _as_slice(places: IntArray) -> slice | IntArray:
+    """Return places one after the other as a slice, with which an array is set quicker."""
+    first, last = int(places[0]), int(places[-1])
+    return slice(first, last + 1) if np.array_equal(places, np.arange(first, last + 1)) else places
+
+
 class _Shapes:
     """Shapes of a scene in a context of their own. Those that stand still are grown by some length on every side.
 
@@ -146,7 +153,7 @@ class _Shapes:
         self._c: Configuration | None = None
         self._q = self._plant.GetPositions(self._context).copy()
         robot = world.bodies.robot
-        self._arm, self._velocities = robot.arm, robot.velocities[: len(robot.arm)]
+        self._arm, self._velocities = _as_slice(robot.arm), robot.velocities[: len(robot.arm)]
         self._leave_only_collision_shapes([shape for body in without for shape in self._shapes(body)])
         self.are_grown = grown > 0 and all(self._grow(geometry, grown) for geometry in still)
         self._filters = self._scene_graph.collision_filter_manager(self._scene_context)

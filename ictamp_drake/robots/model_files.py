@@ -61,7 +61,7 @@ def find_model(uri: str, folder: Path, field: str) -> Path:
 
 def _add_installed(packages: PackageMap, texts: Collection[str], field: str) -> None:
     """Add the installed Python packages that texts name, unless Drake knows a package of that name."""
-    for name in sorted({name for text in texts for name in _PACKAGE.findall(text)}):
+    for name in sorted(frozenset[str]().union(*map(_list_packages, texts))):
         if packages.Contains(name):
             continue
         found = importlib.util.find_spec(name) if name.isidentifier() else None
@@ -70,6 +70,11 @@ def _add_installed(packages: PackageMap, texts: Collection[str], field: str) -> 
             problem = "there is no package {value}"
             raise IctampError(Code.NOT_INSTALLED, problem, field=field, value=name, advice=advice)
         packages.Add(name, str(found.submodule_search_locations[0]))
+
+
+@lru_cache(maxsize=64)
+def _list_packages(text: str) -> frozenset[str]:
+    return frozenset(_PACKAGE.findall(text))
 
 
 def add_model(

@@ -305,6 +305,8 @@ class Robot:
 
     def filter(self, bodies: RobotBodies, scene_graph: SceneGraph) -> None:
         """Stop testing pairs of links that always touch, in the plant of the bodies, which is finalized."""
+        if not self.touching and self.gripper.shares is not None:
+            return
         plant, names = bodies.plant, bodies.names
         manager = scene_graph.collision_filter_manager()
         for number, pair in enumerate(self.touching):
@@ -354,7 +356,7 @@ def find_robot(name: str = DEFAULT) -> Robot:
     """
     spec, file = read_robot(name), find_file(name)
     with in_file(file):
-        models = _find_models(spec, file.parent.resolve())
+        models = _find_models(spec, file.parent.absolute())
         return _build(name, spec, models, tuple(each and stamp_of(each) for each in models))
 
 
