@@ -8,7 +8,7 @@ without k could learn from it. A step that may draw several k fails when all of 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -36,19 +36,11 @@ class PScoreConfig:
 
     checkpoints: Path | None = None
     draws: int = 64
+    robot: ClassVar[str] = DEFAULT
+    stand_in: ClassVar[str] = "constant"
 
     def __post_init__(self) -> None:
         check_range("estimators.p-score.draws", self.draws, 1, 1e4)
-
-    @property
-    def robot(self) -> str:
-        """Name of the robot that the estimators were trained with."""
-        return DEFAULT
-
-    @property
-    def stand_in(self) -> str:
-        """Name of the estimator that serves with other robots."""
-        return "constant"
 
     def create(self, context: EstimatorContext) -> "PScore":
         """The estimator for one scene, for steps with the skills that the search runs.

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -48,6 +48,8 @@ class QValueConfig:
     horizon: Literal["step", "plan"] = "step"
     refinements: int = 0
     critics: Literal["policy", "estimator"] = "policy"
+    robot: ClassVar[str] = DEFAULT
+    stand_in: ClassVar[str] = "constant"
 
     def __post_init__(self) -> None:
         check_range("estimators.q-value.draws", self.draws, 1, 4096)
@@ -61,16 +63,6 @@ class QValueConfig:
                 value=self.refinements,
                 advice="set --estimators.q-value.best",
             )
-
-    @property
-    def robot(self) -> str:
-        """Name of the robot that the critics were trained with."""
-        return DEFAULT
-
-    @property
-    def stand_in(self) -> str:
-        """Name of the estimator that serves with other robots."""
-        return "constant"
 
     def create(self, context: EstimatorContext) -> "QValue":
         """The estimator for one scene.

@@ -1,4 +1,4 @@
-"""Reasons why the arm has no posture with its hand at a pose. Found out when they are reported, not in the search."""
+"""Reasons why the arm has no posture with its hand at a pose. The search does not ask for them; reports do."""
 
 from collections import Counter
 from collections.abc import Sequence

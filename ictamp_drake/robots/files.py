@@ -1,4 +1,4 @@
-"""Files of robots, read again only when they have changed: opening them takes longer than all else that is cached."""
+"""Text of files, which is read again only when a file has changed: opening one takes longer than all else."""
 
 from contextlib import suppress
 from functools import lru_cache

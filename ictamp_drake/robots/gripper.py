@@ -46,7 +46,7 @@ class Gripper:
     @property
     def max_side(self) -> float:
         """Widest side of a box that is gripped [m]."""
-        return self.spec.widest
+        return self.spec.max_side
 
     @property
     def force(self) -> float:

@@ -2,7 +2,7 @@
 
 import importlib.util
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -46,7 +46,7 @@ def find_model(uri: str, folder: Path, field: str) -> Path:
     if uri.startswith("package://"):
         packages = PackageMap()
         packages.AddPackageXml(filename=PACKAGE_FILE)
-        _add_installed(packages, [uri], field)
+        _add_installed(packages, uri, field)
         try:
             path = Path(packages.ResolveUrl(uri))
         except RuntimeError as error:
@@ -59,9 +59,9 @@ def find_model(uri: str, folder: Path, field: str) -> Path:
     return path.resolve()
 
 
-def _add_installed(packages: PackageMap, texts: Collection[str], field: str) -> None:
-    """Add the installed Python packages that texts name, unless Drake knows a package of that name."""
-    for name in sorted(frozenset[str]().union(*map(_list_packages, texts))):
+def _add_installed(packages: PackageMap, text: str, field: str) -> None:
+    """Add the installed Python packages that a text names, unless Drake knows a package of that name."""
+    for name in sorted(_list_packages(text)):
         if packages.Contains(name):
             continue
         found = importlib.util.find_spec(name) if name.isidentifier() else None
@@ -101,7 +101,7 @@ def add_model(
         text = _prepare(text, path.parent, shapes, without)
     if not plant.time_step():
         text = _leave_out_mimics(text)
-    _add_installed(parser.package_map(), [text], field)
+    _add_installed(parser.package_map(), text, field)
     try:
         instances = parser.AddModelsFromString(text, kind) if kind else parser.AddModels(path)
     except (RuntimeError, ValueError) as error:

@@ -181,7 +181,7 @@ class GripperSpec:
             raise IctampError(Code.MISSING_FIELD, "missing field", field="mount")
 
     @property
-    def widest(self) -> float:
+    def max_side(self) -> float:
         """Widest side of a box that is gripped: the opening minus the play that the fingers need [m]."""
         return self.opening - PLAY
 

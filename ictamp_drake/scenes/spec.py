@@ -252,7 +252,7 @@ def load_scene(path: Path | str, robot: str | None = None) -> SceneSpec:
 
 def check_widths(spec: SceneSpec) -> None:
     """Raise IctampError unless every box has a horizontal side that fits between the fingers of the robot."""
-    widest = read_robot(spec.robot).gripper.widest
+    widest = read_robot(spec.robot).gripper.max_side
     for name, box in spec.boxes.items():
         if box.width > widest:
             problem = f"expected a horizontal side of at most {widest:g} m for the gripper, got {{value}}"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 import tyro
@@ -193,22 +193,14 @@ class PolicyConfig:
     haste: float = 0.05
     trust: int = 4
     belief: float = 0.5
+    robot: ClassVar[str] = DEFAULT
+    stand_in: ClassVar[str] = "geometric"
 
     def __post_init__(self) -> None:
         check_range("samplers.policy.candidates", self.candidates, 1, 4096)
         check_range("samplers.policy.haste", self.haste, 0, 1)
         check_range("samplers.policy.trust", self.trust, 1, 4096)
         check_range("samplers.policy.belief", self.belief, 0, 1)
-
-    @property
-    def robot(self) -> str:
-        """Name of the robot that the policies were trained with."""
-        return DEFAULT
-
-    @property
-    def stand_in(self) -> str:
-        """Name of the sampler that serves with other robots."""
-        return "geometric"
 
     def create(self, context: SamplerContext) -> "PolicySampler":
         """The sampler for one scene.

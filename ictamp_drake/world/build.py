@@ -6,19 +6,17 @@ from functools import cached_property
 
 import numpy as np
 from pydrake.geometry import (
-    AddContactMaterial,
     Box,
     CollisionFilterDeclaration,
     GeometryId,
     GeometrySet,
-    ProximityProperties,
     Role,
     SceneGraph,
     Sphere,
 )
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 from pydrake.planning import RobotDiagram, RobotDiagramBuilder
 
@@ -26,7 +24,7 @@ from ictamp_drake.core.types import Configuration, FloatArray
 from ictamp_drake.models.contact import SUPPORT
 from ictamp_drake.models.model_text import Shapes, keep_shapes
 from ictamp_drake.models.shapes import box_sdf, rack_sdf, rim_contacts, table_sdf
-from ictamp_drake.robots.bodies import RobotBodies
+from ictamp_drake.robots.bodies import RobotBodies, properties_of
 from ictamp_drake.robots.robot import find_robot
 from ictamp_drake.scenes.spec import SceneSpec
 from ictamp_drake.world.poses import to_transform
@@ -118,11 +116,7 @@ def add_rims(plant: MultibodyPlant, spec: SceneSpec) -> None:
     step. With rims no joint may be locked: Drake 1.51 then reads out of bounds when something touches the world.
     """
     spacing = max(FINEST_RIM, min(min(box.size) for box in spec.boxes.values()) / 2)
-    surface = ProximityProperties()
-    friction = CoulombFriction(SUPPORT.friction, SUPPORT.friction)
-    AddContactMaterial(SUPPORT.dissipation, SUPPORT.stiffness, friction, surface)
-    surface.AddProperty("material", "relaxation_time", SUPPORT.relaxation_time)
-    world = plant.world_body()
+    surface, world = properties_of(SUPPORT), plant.world_body()
     for name, support in spec.supports.items():
         X_WT = to_transform(support.X_WT)
         for shape in rim_contacts(support.size, spacing):
